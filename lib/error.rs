@@ -1,0 +1,123 @@
+//! What went wrong and where: one message, with file, line and column where there are such.
+
+use std::fmt;
+use std::sync::Arc;
+
+/// A text that was read, kept so that errors can point into it.
+#[derive(Debug)]
+pub struct Source {
+    /// The name the user knows it by: a path, `<stdin>`, or the command that printed it.
+    pub name: String,
+    /// The whole text.
+    pub text: String,
+}
+
+impl Source {
+    /// A source of that name and text.
+    pub fn new(name: impl Into<String>, text: impl Into<String>) -> Arc<Self> {
+        Arc::new(Self { name: name.into(), text: text.into() })
+    }
+}
+
+/// A stretch of a source, in bytes. Line and column are counted only when an error is printed.
+#[derive(Clone, Debug)]
+pub struct Span {
+    /// Where the text stands.
+    pub source: Arc<Source>,
+    /// First byte.
+    pub start: usize,
+    /// One past the last byte.
+    pub end: usize,
+}
+
+impl Span {
+    /// The stretch `start..end` of `source`.
+    pub fn new(source: &Arc<Source>, start: usize, end: usize) -> Self {
+        Self { source: source.clone(), start, end }
+    }
+
+    /// Line and column (in characters), both from 1.
+    pub fn line_column(&self) -> (usize, usize) {
+        let before = &self.source.text.as_bytes()[..self.start.min(self.source.text.len())];
+        let line_start = before.iter().rposition(|&b| b == b'\n').map_or(0, |i| i + 1);
+        let line = before.iter().filter(|&&b| b == b'\n').count() + 1;
+        (line, String::from_utf8_lossy(&before[line_start..]).chars().count() + 1)
+    }
+
+    /// An error at this place. The message says what is wrong and, where known, what to do about it.
+    pub fn error(&self, message: impl Into<String>) -> Error {
+        Error { message: message.into(), place: Some(self.clone()) }
+    }
+}
+
+/// What went wrong, for a person to read.
+#[derive(Clone, Debug)]
+pub struct Error {
+    /// What is wrong and what to do about it; one line, no full stop, no file name.
+    pub message: String,
+    /// Where, if it is in a text.
+    pub place: Option<Span>,
+}
+
+/// A result whose error can be shown to the user as it is.
+pub type Result<T> = std::result::Result<T, Error>;
+
+impl Error {
+    /// An error without a place in a text. Name the file in the message.
+    pub fn new(message: impl Into<String>) -> Self {
+        Self { message: message.into(), place: None }
+    }
+}
+
+impl From<String> for Error {
+    fn from(message: String) -> Self {
+        Self::new(message)
+    }
+}
+
+impl std::error::Error for Error {}
+
+impl fmt::Display for Error {
+    /// `file:line:column: error: message`, then the line and a caret under the place; control characters are escaped.
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let Some(place) = &self.place else { return write!(f, "error: {}", printable(&self.message)) };
+        let (line, column) = place.line_column();
+        write!(f, "{}:{line}:{column}: error: {}", printable(&place.source.name), printable(&self.message))?;
+        let Some(text) = place.source.text.lines().nth(line - 1) else { return Ok(()) };
+        // Show at most a screen's width around the place.
+        let skip = (column - 1).saturating_sub(60);
+        let shown: String = text.chars().skip(skip).take(120).collect();
+        let width =
+            place.source.text[place.start..].chars().take(place.end.saturating_sub(place.start)).take_while(|c| !c.is_whitespace()).count();
+        let caret = "^".repeat(width.clamp(1, 60));
+        write!(f, "\n  {}\n  {}{caret}", printable(&shown), " ".repeat(column - 1 - skip))
+    }
+}
+
+/// The text with control characters made visible, so that a hostile name cannot drive the terminal.
+fn printable(text: &str) -> String {
+    text.chars()
+        .map(|c| {
+            if c == '\t' {
+                " ".into()
+            } else if c.is_control() {
+                c.escape_default().to_string()
+            } else {
+                c.to_string()
+            }
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_error_shows_file_line_column_and_caret() {
+        let source = Source::new("room.rad", "void plastic red\n0\n0\n5 .7 x.1 .1 0 0\n");
+        let at = source.text.find("x.1").unwrap();
+        let error = Span::new(&source, at, at + 3).error("not a number");
+        assert_eq!(error.to_string(), "room.rad:4:6: error: not a number\n  5 .7 x.1 .1 0 0\n       ^^^");
+    }
+}

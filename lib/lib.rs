@@ -1,0 +1,14 @@
+//! Inverad tells what material an object is made of, from one high-dynamic-range picture of it.
+//!
+//! ```text
+//! text ──rad──▶ Document ──scene──▶ Scene ──world──▶ World ──render──▶ Picture ──picture──▶ bytes
+//!                  ▲                                   │                  │
+//!   edited words ──┘                                   └─ transport ─▶ basis ─┴─ metric ─▶ χ² ─▶ anneal
+//! ```
+//!
+//! Data flows one way. A room uses only rooms that stand above it here.
+
+pub mod color;
+pub mod error;
+pub mod resolve;
+pub mod vector;
