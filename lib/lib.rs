@@ -12,3 +12,7 @@ pub mod color;
 pub mod error;
 pub mod resolve;
 pub mod vector;
+pub mod sampling;
+pub mod bsdf;
+pub mod rules;
+pub mod environment;
