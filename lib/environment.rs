@@ -17,6 +17,8 @@ pub struct Environment {
     /// For each row, its columns of equal azimuth; `None` for a row that is never drawn.
     columns: Vec<Option<Steps>>,
     width: usize,
+    /// Cosines of the polar angles between rows, from 1 to −1.
+    cosines: Vec<f64>,
 }
 
 impl Environment {
@@ -38,7 +40,8 @@ impl Environment {
                     .collect()
             })
             .collect();
-        let area = |y: usize| ((PI * y as f64 / height as f64).cos() - (PI * (y + 1) as f64 / height as f64).cos()) / 2.0;
+        let cosines: Vec<f64> = (0..=height).map(|y| (PI * y as f64 / height as f64).cos()).collect();
+        let area = |y: usize| (cosines[y] - cosines[y + 1]) / 2.0;
         let mean_of = |y: usize, x: usize| {
             let next = (x + 1) % width;
             (corners[y][x] + corners[y][next] + corners[y + 1][x] + corners[y + 1][next]) / 4.0
@@ -51,7 +54,7 @@ impl Environment {
             .collect();
         let weights: Vec<f32> = rows.iter().enumerate().map(|(y, row)| row.as_ref().map_or(0.0, |(_, sum)| (sum * area(y)) as f32)).collect();
         let (steps, _) = Steps::new(&weights)?;
-        Some(Self { rows: steps, columns: rows.into_iter().map(|row| row.map(|(steps, _)| steps)).collect(), width })
+        Some(Self { rows: steps, columns: rows.into_iter().map(|row| row.map(|(steps, _)| steps)).collect(), width, cosines })
     }
 
     /// A direction (of travel, away from the viewer) and its density per solid angle.
@@ -59,8 +62,7 @@ impl Environment {
         let (y, dy) = self.rows.sample(v);
         let columns = self.columns[y].as_ref()?;
         let (x, dx) = columns.sample(u);
-        let (top, bottom) = self.band(y);
-        let z = top + (bottom - top) * dy;
+        let z = self.cosines[y] + (self.cosines[y + 1] - self.cosines[y]) * dy;
         let (s, c) = (2.0 * PI * (x as f64 + dx) / self.width as f64).sin_cos();
         let r = (1.0 - z * z).max(0.0).sqrt();
         Some((Vec3::new(r * c, r * s, z), self.density(y, columns.probability(x))))
@@ -76,14 +78,7 @@ impl Environment {
     }
 
     fn density(&self, y: usize, in_row: f64) -> f64 {
-        let (top, bottom) = self.band(y);
-        self.rows.probability(y) * in_row * self.width as f64 / (2.0 * PI * (top - bottom))
-    }
-
-    /// Cosines of the polar angles that bound row `y`.
-    fn band(&self, y: usize) -> (f64, f64) {
-        let at = |y: usize| (PI * y as f64 / self.columns.len() as f64).cos();
-        (at(y), at(y + 1))
+        self.rows.probability(y) * in_row * self.width as f64 / (2.0 * PI * (self.cosines[y] - self.cosines[y + 1]))
     }
 }
 

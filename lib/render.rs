@@ -1,0 +1,184 @@
+//! All pixels of a picture: which rays, how many samples, on how many threads, how large the error is.
+//!
+//! A pixel's samples fall into [`GROUPS`] independently scrambled sequences; the spread of their means is the pixel's error. What a pixel
+//! gets depends on the seed, the pixel and the number of samples only, so any number of threads gives the same picture.
+
+use crate::color::{Rgb, bright};
+use crate::geometry::Ray;
+use crate::integrator::{Integrator, Radiance};
+use crate::rules::Rules;
+use crate::sampling::Sampler;
+use crate::vector::Vec3;
+use crate::world::World;
+use rayon::prelude::*;
+use std::time::{Duration, Instant};
+
+/// The number of independent sequences of a pixel.
+pub const GROUPS: usize = 16;
+
+/// When a picture is good enough.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Budget {
+    /// When the estimated relative standard error is this.
+    Error(f64),
+    /// After this many samples in each pixel.
+    Samples(u32),
+    /// As good as this much time allows.
+    Time(Duration),
+}
+
+/// The relative standard error that is asked for when nothing is.
+pub const DEFAULT_ERROR: f64 = 0.05;
+
+/// Origin, unit direction and length limit of the ray of sample point `(x, y)` of a pixel's area, each in [0, 1); `None` outside the view.
+pub type Lens<'a> = &'a (dyn Fn(usize, [f64; 2]) -> Option<(Vec3, Vec3, f64)> + Sync);
+
+/// What is known of a pixel: sums of its samples, group by group.
+#[derive(Clone, Debug, Default)]
+pub struct Pixel {
+    sums: [[f32; 3]; GROUPS],
+    counts: [u32; GROUPS],
+    /// Whether a sample met a surface.
+    pub surface: bool,
+    /// Whether the pixel is exact: no sample was left to chance.
+    exact: bool,
+}
+
+/// A picture in the making, and its error.
+#[derive(Clone, Debug)]
+pub struct Rendering {
+    /// Pixels in the order of their numbers.
+    pub pixels: Vec<Pixel>,
+    /// Samples taken of each pixel.
+    pub samples: u32,
+    /// Estimated relative standard error: the root mean square, over the pixels that show a surface, of the standard error of their
+    /// luminance, divided by the mean luminance of those pixels. 0 for a picture without surfaces.
+    pub noise: f64,
+}
+
+impl Pixel {
+    fn add(&mut self, group: usize, value: Rgb) {
+        self.sums[group].iter_mut().zip(value.to_array()).for_each(|(sum, v)| *sum += v as f32);
+        self.counts[group] += 1;
+    }
+
+    /// The estimated radiance.
+    pub fn mean(&self) -> Rgb {
+        let count: u32 = self.counts.iter().sum();
+        let sum: Rgb = self.sums.iter().map(|s| Rgb::from(s.map(f64::from))).sum();
+        sum / count.max(1) as f64
+    }
+
+    /// The estimated variance of [`Pixel::mean`], of each channel and of the luminance. Infinite while there are fewer than two groups.
+    pub fn variance(&self) -> (Rgb, f64) {
+        let used = self.counts.iter().filter(|&&c| c > 0).count() as f64;
+        if self.exact {
+            return (Rgb::ZERO, 0.0);
+        }
+        if used < 2.0 {
+            return (Rgb::splat(f64::INFINITY), f64::INFINITY);
+        }
+        let mean = self.mean();
+        let (mut channels, mut luminance, mut total) = (Rgb::ZERO, 0.0, 0.0);
+        for (sum, &count) in self.sums.iter().zip(&self.counts).filter(|(_, c)| **c > 0) {
+            let n = count as f64;
+            let off = Rgb::from(sum.map(f64::from)) / n - mean;
+            channels += off * off * (n * n);
+            luminance += bright(off).powi(2) * n * n;
+            total += n;
+        }
+        let scale = used / (used - 1.0) / (total * total);
+        (channels * scale, luminance * scale)
+    }
+}
+
+/// Renders `count` pixels until `budget` is spent. `goes_on` is shown the picture after each round; when it says no, the picture so far is the result.
+/// The `box` of a pixel is sampled if `jitter` is positive, over that fraction of its width.
+pub fn render(
+    world: &World, rules: &Rules, count: usize, lens: Lens, jitter: f64, budget: Budget, seed: u64, goes_on: &mut dyn FnMut(&Rendering) -> bool,
+) -> Rendering {
+    let start = Instant::now();
+    let mut rendering = Rendering { pixels: vec![Pixel::default(); count], samples: 0, noise: f64::INFINITY };
+    loop {
+        let passes = plan(&rendering, budget, start.elapsed());
+        if passes == 0 {
+            return rendering;
+        }
+        let range = rendering.samples..rendering.samples + passes;
+        rendering.pixels.par_chunks_mut(64).enumerate().for_each(|(chunk, pixels)| {
+            let mut integrator = Integrator::new(world, rules);
+            for (i, pixel) in pixels.iter_mut().enumerate().filter(|(_, p)| !p.exact) {
+                sample(&mut integrator, rules, chunk * 64 + i, pixel, lens, jitter, seed, range.clone());
+            }
+        });
+        rendering.samples += passes;
+        rendering.noise = noise(&rendering.pixels);
+        if !goes_on(&rendering) {
+            return rendering;
+        }
+    }
+}
+
+/// Takes the samples `range` of a pixel.
+#[allow(clippy::too_many_arguments)]
+fn sample(
+    integrator: &mut Integrator<Rgb>, rules: &Rules, number: usize, pixel: &mut Pixel, lens: Lens, jitter: f64, seed: u64, range: std::ops::Range<u32>,
+) {
+    for pass in range {
+        let group = pass as usize % GROUPS;
+        let mut sampler = Sampler::new(seed, number as u64, group as u32, pass / GROUPS as u32);
+        let at = if jitter > 0.0 { sampler.pair().map(|u| 0.5 + jitter * (u - 0.5)) } else { [0.5; 2] };
+        let Some((origin, direction, limit)) = lens(number, at) else {
+            pixel.add(group, Rgb::ZERO);
+            pixel.exact = jitter == 0.0;
+            continue;
+        };
+        let mut transport = Radiance { rules, sum: Rgb::ZERO };
+        let outcome = integrator.trace(&mut transport, Ray { origin, direction }, limit, sampler);
+        pixel.add(group, transport.sum);
+        pixel.surface |= outcome.surface;
+        if !outcome.random && jitter == 0.0 {
+            pixel.exact = true;
+            return;
+        }
+    }
+}
+
+/// The error of a picture, as [`Rendering::noise`] defines it.
+fn noise(pixels: &[Pixel]) -> f64 {
+    let (mut variance, mut light) = (0.0, 0.0);
+    for pixel in pixels.iter().filter(|p| p.surface) {
+        variance += pixel.variance().1;
+        light += bright(pixel.mean());
+    }
+    let shown = pixels.iter().filter(|p| p.surface).count() as f64;
+    if shown == 0.0 || variance == 0.0 { 0.0 } else { (variance / shown).sqrt() / (light / shown).abs() }
+}
+
+/// How many more samples to take of each pixel.
+fn plan(rendering: &Rendering, budget: Budget, elapsed: Duration) -> u32 {
+    let done = rendering.samples;
+    if done > 0 && rendering.pixels.iter().all(|p| p.exact) {
+        return 0;
+    }
+    let round = GROUPS as u32;
+    match budget {
+        Budget::Samples(wanted) => (wanted - done).min(done.max(round)),
+        Budget::Error(_) if done == 0 => round,
+        Budget::Error(error) if rendering.noise <= error => 0,
+        Budget::Error(error) => {
+            // Error falls at least as the root of the number of samples; ask for a little more, but never for more than twice as much again.
+            let factor = (rendering.noise / error).powi(2) * 1.05 - 1.0;
+            let more = (factor.clamp(0.05, 2.0) * done as f64) as u32;
+            more.div_ceil(round) * round
+        }
+        Budget::Time(_) if done == 0 => 1,
+        Budget::Time(time) => {
+            // Leave a tenth of what is left, for what follows.
+            let left = time.saturating_sub(elapsed).as_secs_f64() * 0.9;
+            let fits = (left / (elapsed.as_secs_f64() / done as f64)) as u32;
+            // Early rounds are short, so that the pace is known before much is risked.
+            fits.min(done.max(1))
+        }
+    }
+}
