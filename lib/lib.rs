@@ -8,6 +8,8 @@
 //!
 //! Data flows one way. A room uses only rooms that stand above it here.
 
+pub mod args;
+pub mod cli;
 pub mod color;
 pub mod error;
 pub mod resolve;
