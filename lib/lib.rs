@@ -8,6 +8,9 @@
 //!
 //! Data flows one way. A room uses only rooms that stand above it here.
 
+pub mod cal;
+pub mod args;
+pub mod cli;
 pub mod color;
 pub mod error;
 pub mod resolve;
