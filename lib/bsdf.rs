@@ -4,7 +4,7 @@
 //! `wi.z > 0` is reflection and `wi.z < 0` transmission. Values include the cosine: they are f·|cos θ|, per unit solid angle.
 
 pub mod lobe;
-mod smooth;
+pub mod smooth;
 
 use crate::color::Rgb;
 use crate::material::{AIR, Inside, Material};
@@ -258,6 +258,11 @@ impl Bsdf {
         self.to_viewer
     }
 
+    /// The direction of light that goes straight through, local.
+    pub fn straight(&self) -> Vec3 {
+        self.straight
+    }
+
     /// f·|cos θ| toward the viewer for light arriving from the local direction `wi`, in 1/sr per channel: the sum over the parts, each times its weight.
     pub fn value(&self, wi: Vec3, arriving: Arriving, weights: &[f64; 4], rules: &Rules) -> Rgb {
         let side = (wi.z < 0.0) as usize;
@@ -310,7 +315,7 @@ impl Bsdf {
     }
 
     /// Whether a local direction is on the same side of the surface as of the shading normal.
-    fn passes(&self, wi: Vec3) -> bool {
+    pub fn passes(&self, wi: Vec3) -> bool {
         (wi.dot(self.geometric) > 1e-6) == (wi.z > 0.0) && wi.z != 0.0
     }
 

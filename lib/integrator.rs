@@ -40,26 +40,46 @@ pub trait Transport {
     fn collect(&mut self, beta: &Self::Beta, radiance: Rgb);
 }
 
-/// Scattering at a point, as far as the choice of directions goes. Directions are local.
+/// Scattering at a point, as far as the choice of directions goes: a material's own, unless it is unknown. Directions are local.
 pub trait Scattering {
+    /// The material at the point; for an unknown one, a stand-in with the same frame.
+    fn bsdf(&self) -> &Bsdf;
+
     /// Directions scattered into alone.
-    fn deltas(&self) -> &[Option<Delta>; 2];
+    fn deltas(&self) -> &[Option<Delta>; 2] {
+        &self.bsdf().deltas
+    }
+
     /// How much indirect light each part gathers; 0 for a part that gathers none.
-    fn weights(&self) -> [f64; 4];
+    fn weights(&self) -> [f64; 4] {
+        self.bsdf().weights()
+    }
+
     /// In how many ways a part is sampled.
-    fn ways(&self, part: Part) -> usize;
+    fn ways(&self, _: Part) -> usize {
+        1
+    }
+
     /// A direction drawn from a part in one way.
-    fn sample(&self, part: Part, way: usize, u: [f64; 2]) -> Option<Vec3>;
+    fn sample(&self, part: Part, _way: usize, u: [f64; 2]) -> Option<Vec3> {
+        self.bsdf().sample(part, u)
+    }
+
     /// The sum of the densities of all ways to draw `wi` from a part.
-    fn pdf(&self, part: Part, wi: Vec3) -> f64;
+    fn pdf(&self, part: Part, wi: Vec3) -> f64 {
+        self.bsdf().pdf(part, wi)
+    }
+
     /// Whether lamps must not be found by sampling this part.
-    fn lamps_differ(&self, part: Part) -> bool;
-    /// RADIANCE's sample of the whole of a rough lobe (`-ss`).
-    fn unweighted(&self, part: Part, spread: f64, sampler: &mut Sampler) -> Option<(Vec3, Rgb)>;
-    /// The local form of a world direction.
-    fn to_local(&self, direction: Vec3) -> Vec3;
-    /// The world form of a local direction.
-    fn to_world(&self, direction: Vec3) -> Vec3;
+    fn lamps_differ(&self, part: Part) -> bool {
+        self.bsdf().lamps_differ(part)
+    }
+}
+
+impl Scattering for Bsdf {
+    fn bsdf(&self) -> &Bsdf {
+        self
+    }
 }
 
 /// Follows paths through a world by its rules. Keeps its stack between rays.
@@ -300,10 +320,10 @@ impl<'a, B: Clone> Integrator<'a, B> {
         if let Some(spread) = self.spread(part) {
             self.outcome.random |= spread > 0.0;
             let mut sampler = at.sampler.fork();
-            if let Some((wi, color)) = surface.unweighted(part, spread, &mut sampler) {
+            if let Some((wi, color)) = surface.bsdf().unweighted(part, spread, &mut sampler) {
                 let mut beta = at.beta.clone();
                 transport.scale(&mut beta, color / share);
-                let from = Scattered { origin: at.ray.origin, direction: surface.to_world(wi), density: 0.0, lamps: false, shared: false };
+                let from = Scattered { origin: at.ray.origin, direction: surface.bsdf().to_world(wi), density: 0.0, lamps: false, shared: false };
                 self.send(transport, at, beta, from, weight, reflected, part, spread == 0.0);
             }
             return;
@@ -318,7 +338,7 @@ impl<'a, B: Clone> Integrator<'a, B> {
             weights[k] = 1.0 / density;
             let beta = transport.scatter(&at.beta, surface, wi, Arriving::Indirect, &weights);
             let lamps = self.rules.light_jitter.is_none() && !surface.lamps_differ(part);
-            let from = Scattered { origin: at.ray.origin, direction: surface.to_world(wi), density, lamps, shared: true };
+            let from = Scattered { origin: at.ray.origin, direction: surface.bsdf().to_world(wi), density, lamps, shared: true };
             self.send(transport, at, beta, from, weight, reflected, part, false);
         }
     }
@@ -394,7 +414,7 @@ impl<'a, B: Clone> Integrator<'a, B> {
             for lamp in 0..world.lamps().len() {
                 let u = if jitter > 0.0 { self.draw(at) } else { [0.5; 2] };
                 if let Some(sample) = world.lamps()[lamp].centre(at.ray.origin, jitter, u) {
-                    let wi = surface.to_local(sample.direction);
+                    let wi = surface.bsdf().to_local(sample.direction);
                     let beta = transport.scatter(&at.beta, surface, wi, Arriving::Lamp(sample.omega), &[sample.omega; 4]);
                     self.shadow(transport, at, beta, sample.direction, sample.distance, Emitter::Lamp(lamp));
                 }
@@ -403,7 +423,7 @@ impl<'a, B: Clone> Integrator<'a, B> {
         }
         let (u, v) = (self.draw(at), self.draw(at));
         let Some(sample) = world.sample_lamp(at.ray.origin, v[0], u) else { return };
-        let wi = surface.to_local(sample.to.direction);
+        let wi = surface.bsdf().to_local(sample.to.direction);
         let mut weights = [1.0 / sample.pdf; 4];
         for part in Part::ALL.into_iter().filter(|_| sample.shared) {
             if counts[part as usize] > 0.0 && !surface.lamps_differ(part) {
@@ -421,7 +441,7 @@ impl<'a, B: Clone> Integrator<'a, B> {
         }
         let u = self.draw(at);
         let Some((direction, pdf)) = self.world.sample_environment(u) else { return };
-        let wi = surface.to_local(direction);
+        let wi = surface.bsdf().to_local(direction);
         let mut weights = [0.0; 4];
         for part in Part::ALL {
             let count = counts[part as usize];
@@ -494,43 +514,5 @@ impl Transport for Radiance<'_> {
 
     fn collect(&mut self, beta: &Rgb, radiance: Rgb) {
         self.sum += *beta * radiance;
-    }
-}
-
-impl Scattering for Bsdf {
-    fn deltas(&self) -> &[Option<Delta>; 2] {
-        &self.deltas
-    }
-
-    fn weights(&self) -> [f64; 4] {
-        self.weights()
-    }
-
-    fn ways(&self, _: Part) -> usize {
-        1
-    }
-
-    fn sample(&self, part: Part, _: usize, u: [f64; 2]) -> Option<Vec3> {
-        self.sample(part, u)
-    }
-
-    fn pdf(&self, part: Part, wi: Vec3) -> f64 {
-        self.pdf(part, wi)
-    }
-
-    fn lamps_differ(&self, part: Part) -> bool {
-        self.lamps_differ(part)
-    }
-
-    fn unweighted(&self, part: Part, spread: f64, sampler: &mut Sampler) -> Option<(Vec3, Rgb)> {
-        self.unweighted(part, spread, sampler)
-    }
-
-    fn to_local(&self, direction: Vec3) -> Vec3 {
-        self.to_local(direction)
-    }
-
-    fn to_world(&self, direction: Vec3) -> Vec3 {
-        self.to_world(direction)
     }
 }

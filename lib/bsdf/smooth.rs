@@ -40,25 +40,30 @@ impl Bsdf {
     /// A thin pane: all its internal reflections at once.
     pub(super) fn glass(point: &Point, glass: &Medium, pattern: Rgb) -> Self {
         let mut bsdf = Self::black(point);
-        let (cos, n) = (bsdf.to_viewer.z, glass.index);
-        let inside = (1.0 - 1.0 / (n * n) + cos * cos / (n * n)).max(0.0).sqrt();
-        let polarised = [((cos - n * inside) / (cos + n * inside)).powi(2), ((inside - n * cos) / (inside + n * cos)).powi(2)];
-        let through = if glass.transmissivity.max_element() <= 1e-15 {
-            Rgb::ZERO
-        } else {
-            glass.transmissivity.max(Rgb::splat(1e-15)).to_array().map(|t| t.powf(1.0 / inside)).into()
-        };
-        let half_sum = |term: &dyn Fn(f64, f64) -> f64| Rgb::from(through.to_array().map(|t| 0.5 * polarised.iter().map(|&r| term(r, t)).sum::<f64>()));
-        let reflected = half_sum(&|r, t| r * (1.0 + (1.0 - 2.0 * r) * t * t) / (1.0 - r * r * t * t));
-        let transmitted = half_sum(&|r, t| (1.0 - r).powi(2) * t / (1.0 - r * r * t * t)) * pattern;
+        let pane = glass.transmissivity.to_array().map(|t| pane(bsdf.to_viewer.z, glass.index, t));
+        let [reflected, transmitted] = [0, 1].map(|way| Rgb::from(pane.map(|p| p[way])));
+        let transmitted = if glass.transmissivity.max_element() <= 1e-15 { Rgb::ZERO } else { transmitted * pattern };
         bsdf.deltas[0] = Some(Delta { direction: bsdf.mirror(), coefficient: reflected, reflected: true, medium: None });
         if transmitted != Rgb::ZERO {
-            let bent = Point { perturbation: point.perturbation * (2.0 * (n - 1.0)), ..*point };
+            let bent = Point { perturbation: point.perturbation * (2.0 * (glass.index - 1.0)), ..*point };
             let direction = if point.perturbation == Vec3::ZERO { -point.to_viewer } else { bend(&bent) };
             bsdf.deltas[1] = Some(Delta { direction, coefficient: transmitted, reflected: false, medium: None });
         }
         bsdf
     }
+}
+
+/// What a pane of index `n` and transmissivity `t` at normal incidence reflects and transmits at the cosine `cos`, all inner reflections together.
+pub fn pane(cos: f64, n: f64, t: f64) -> [f64; 2] {
+    let inside = (1.0 - (1.0 - cos * cos) / (n * n)).max(0.0).sqrt();
+    let through = t.max(1e-15).powf(1.0 / inside);
+    let mut sum = [0.0; 2];
+    for r in [((cos - n * inside) / (cos + n * inside)).powi(2), ((inside - n * cos) / (inside + n * cos)).powi(2)] {
+        let inner = 1.0 - r * r * through * through;
+        sum[0] += 0.5 * r * (1.0 + (1.0 - 2.0 * r) * through * through) / inner;
+        sum[1] += 0.5 * (1.0 - r) * (1.0 - r) * through / inner;
+    }
+    sum
 }
 
 /// Fresnel's reflectance for unpolarised light, at cosines `cos` before and `cos_beyond` behind a boundary with the ratio of indices `eta`.
