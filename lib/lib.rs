@@ -10,5 +10,8 @@
 
 pub mod color;
 pub mod error;
+pub mod expand;
+pub mod rad;
 pub mod resolve;
+pub mod transform;
 pub mod vector;
