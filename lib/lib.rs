@@ -12,5 +12,6 @@ pub mod args;
 pub mod cli;
 pub mod color;
 pub mod error;
+pub mod picture;
 pub mod resolve;
 pub mod vector;
