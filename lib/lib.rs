@@ -15,6 +15,7 @@ pub mod color;
 pub mod error;
 pub mod expand;
 pub mod rad;
+pub mod picture;
 pub mod resolve;
 pub mod transform;
 pub mod vector;
