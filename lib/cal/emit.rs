@@ -119,48 +119,49 @@ impl Emitter<'_> {
     fn block(&mut self, block: usize) {
         let nodes = std::mem::take(&mut self.blocks[block].nodes);
         for &id in nodes.iter().rev() {
-            let to = self.node(id, block);
-            self.registers.insert(id, to);
+            let to = self.fresh();
+            self.node(id, block, to);
         }
     }
 
-    fn node(&mut self, id: Id, block: usize) -> Register {
+    /// Computes a node into the register `to`.
+    fn node(&mut self, id: Id, block: usize, to: Register) {
         let op = match self.graph.node(id) {
-            Node::Constant(_) | Node::Parameter(_) => return self.operand(id),
-            Node::If(all) => return self.branch(id, block, *all),
-            Node::Select(index, choices) => return self.switch(id, block, *index, choices),
-            &Node::Channel(index) => Op::Channel { to: self.fresh(), index },
-            &Node::Free(index) => Op::Free { to: self.fresh(), index },
-            &Node::Argument(a) => Op::Argument { a: self.operand(a), to: self.fresh() },
-            &Node::Unary(f, a) => Op::Unary { f, a: self.operand(a), to: self.fresh() },
-            &Node::Binary(f, a, b) => self.binary(f, a, b),
-            &Node::Ternary(f, all) => Op::Ternary { f, a: all.map(|a| self.operand(a)), to: self.fresh() },
+            Node::If(all) => return self.branch(id, block, *all, to),
+            Node::Select(index, choices) => return self.switch(id, block, *index, choices, to),
+            &Node::Constant(bits) => Op::Constant { to, value: f64::from_bits(bits) },
+            &Node::Parameter(a) => Op::Copy { to, a },
+            &Node::Channel(index) => Op::Channel { to, index },
+            &Node::Free(index) => Op::Free { to, index },
+            &Node::Argument(a) => Op::Argument { to, a: self.operand(a) },
+            &Node::Unary(f, a) => Op::Unary { f, to, a: self.operand(a) },
+            &Node::Binary(f, a, b) => self.binary(f, a, b, to),
+            &Node::Ternary(f, all) => Op::Ternary { f, to, a: all.map(|a| self.operand(a)) },
             Node::Call(routine, arguments) => {
                 let registers: Vec<Register> = arguments.iter().map(|&a| self.operand(a)).collect();
                 let list = self.lists.len() as u32;
                 self.lists.push(registers.len() as Register);
                 self.lists.extend(registers);
-                Op::Call { to: self.fresh(), routine: *routine, list }
+                Op::Call { to, routine: *routine, list }
             }
         };
         self.code.push(op);
-        (self.next - 1).min(usize::from(Register::MAX)) as Register
+        self.registers.insert(id, to);
     }
 
-    fn binary(&mut self, f: Binary, a: Id, b: Id) -> Op {
+    fn binary(&mut self, f: Binary, a: Id, b: Id, to: Register) -> Op {
         match (f, self.graph.value(a), self.graph.value(b)) {
-            (Binary::Add, None, Some(c)) => Op::AddConstant { a: self.operand(a), c, to: self.fresh() },
-            (Binary::Add, Some(c), None) => Op::AddConstant { a: self.operand(b), c, to: self.fresh() },
-            (Binary::Subtract, None, Some(c)) => Op::AddConstant { a: self.operand(a), c: -c, to: self.fresh() },
-            (Binary::Subtract, Some(c), None) => Op::ConstantSubtract { c, b: self.operand(b), to: self.fresh() },
-            (Binary::Multiply, None, Some(c)) => Op::MultiplyConstant { a: self.operand(a), c, to: self.fresh() },
-            (Binary::Multiply, Some(c), None) => Op::MultiplyConstant { a: self.operand(b), c, to: self.fresh() },
-            (Binary::Divide, None, Some(c)) => Op::DivideConstant { a: self.operand(a), c, to: self.fresh() },
-            (Binary::Divide, Some(c), None) => Op::ConstantDivide { c, b: self.operand(b), to: self.fresh() },
-            (Binary::Power, None, Some(c)) => Op::PowerConstant { a: self.operand(a), c, to: self.fresh() },
+            (Binary::Add, None, Some(c)) => Op::AddConstant { to, a: self.operand(a), c },
+            (Binary::Add, Some(c), None) => Op::AddConstant { to, a: self.operand(b), c },
+            (Binary::Subtract, None, Some(c)) => Op::AddConstant { to, a: self.operand(a), c: -c },
+            (Binary::Subtract, Some(c), None) => Op::ConstantSubtract { to, c, b: self.operand(b) },
+            (Binary::Multiply, None, Some(c)) => Op::MultiplyConstant { to, a: self.operand(a), c },
+            (Binary::Multiply, Some(c), None) => Op::MultiplyConstant { to, a: self.operand(b), c },
+            (Binary::Divide, None, Some(c)) => Op::DivideConstant { to, a: self.operand(a), c },
+            (Binary::Divide, Some(c), None) => Op::ConstantDivide { to, c, b: self.operand(b) },
+            (Binary::Power, None, Some(c)) => Op::PowerConstant { to, a: self.operand(a), c },
             _ => {
                 let (a, b) = (self.operand(a), self.operand(b));
-                let to = self.fresh();
                 match f {
                     Binary::Add => Op::Add { to, a, b },
                     Binary::Subtract => Op::Subtract { to, a, b },
@@ -172,16 +173,15 @@ impl Emitter<'_> {
         }
     }
 
-    fn branch(&mut self, id: Id, block: usize, [condition, a, b]: [Id; 3]) -> Register {
+    fn branch(&mut self, id: Id, block: usize, [condition, a, b]: [Id; 3], to: Register) {
         let inner = self.blocks[block].choices.remove(&id).unwrap_or_default();
         let condition = self.operand(condition);
+        self.registers.insert(id, to);
         if inner.iter().all(|&i| self.blocks[i].nodes.is_empty()) {
             let (a, b) = (self.operand(a), self.operand(b));
-            let to = self.fresh();
             self.code.push(Op::Choose { to, condition, a, b });
-            return to;
+            return;
         }
-        let to = self.fresh();
         let branch = self.code.len();
         self.code.push(Op::Branch { to, condition, otherwise: 0, end: 0 });
         self.choice(inner[0], a, to);
@@ -192,13 +192,13 @@ impl Emitter<'_> {
         let end = self.code.len() as u32;
         self.code[branch] = Op::Branch { to, condition, otherwise, end };
         self.code[jump] = Op::Jump { target: end };
-        to
     }
 
-    fn switch(&mut self, id: Id, block: usize, index: Id, choices: &[Id]) -> Register {
+    fn switch(&mut self, id: Id, block: usize, index: Id, choices: &[Id], to: Register) {
         let inner = self.blocks[block].choices.remove(&id).unwrap_or_default();
         let index = self.operand(index);
-        let (to, table) = (self.fresh(), self.tables.len());
+        self.registers.insert(id, to);
+        let table = self.tables.len();
         self.code.push(Op::Switch { to, index, table: table as u32 });
         self.tables.extend([choices.len() as u32, 0]);
         self.tables.extend(choices.iter().map(|_| 0));
@@ -212,11 +212,16 @@ impl Emitter<'_> {
         let end = self.code.len() as u32;
         self.tables[table + 1] = end;
         jumps.into_iter().for_each(|jump| self.code[jump] = Op::Jump { target: end });
-        to
     }
 
     /// The code that is run if this choice is taken.
     fn choice(&mut self, block: usize, value: Id, to: Register) {
+        // If the value is computed in the block, it comes last there, as the user of all the rest.
+        if self.blocks[block].nodes.first() == Some(&value) {
+            self.blocks[block].nodes.remove(0);
+            self.block(block);
+            return self.node(value, block, to);
+        }
         self.block(block);
         match self.graph.value(value) {
             Some(value) => self.code.push(Op::Constant { to, value }),

@@ -110,6 +110,7 @@ impl Builtin {
 }
 
 impl Unary {
+    #[inline(never)]
     pub fn apply(self, x: f64) -> f64 {
         match self {
             Self::Negate => -x,
@@ -133,7 +134,7 @@ impl Unary {
 }
 
 impl Binary {
-    #[inline]
+    #[inline(never)]
     pub fn apply(self, a: f64, b: f64) -> f64 {
         match self {
             Self::Add => a + b,
@@ -152,6 +153,7 @@ impl Binary {
 }
 
 impl Ternary {
+    #[inline(never)]
     pub fn apply(self, [x, y, z]: [f64; 3]) -> f64 {
         if x.is_nan() || y.is_nan() || z.is_nan() {
             return f64::NAN;
@@ -173,7 +175,7 @@ pub(super) fn divide(a: f64, b: f64) -> f64 {
 }
 
 /// `x` to the `y`, small whole powers by multiplication.
-#[inline]
+#[inline(never)]
 pub(super) fn power(x: f64, y: f64) -> f64 {
     if y.abs() > 16.0 || y != y.trunc() {
         return x.powf(y);

@@ -37,6 +37,14 @@ enum Binding<'e> {
     Missing,
 }
 
+/// What kind of argument a recursive function is compiled for.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+enum Kind {
+    Value,
+    Function(Function),
+    Missing,
+}
+
 /// Where an expression stands: the text, and the parameters around it.
 pub(super) struct Scope<'e> {
     text: &'e Text,
@@ -71,7 +79,7 @@ pub(super) struct Lowering<'l> {
     routines: Vec<Option<Routine>>,
     reads_ray: Vec<u64>,
     /// Which routine is which function, for which arguments that are functions (or missing).
-    instances: HashMap<(usize, Vec<Option<Option<Function>>>), usize>,
+    instances: HashMap<(usize, Vec<Kind>), usize>,
     recursive: HashMap<usize, bool>,
     /// Recursions whose end was looked for in vain.
     endless: HashSet<usize>,
@@ -365,23 +373,23 @@ impl<'l> Lowering<'l> {
             }
         }
         if !self.endless.contains(&symbol) && values.iter().any(|&id| self.graph.value(id).is_some()) {
-            let before = (self.depth, self.problem.clone());
+            let problem = self.problem.clone();
             self.unrolling = Some((self.depth + UNROLL_DEPTH.min(MAX_DEPTH.saturating_sub(self.depth)), self.graph.len() + UNROLL_NODES));
             let unrolled = self.lower(&definition.statement.body, &inner);
             self.unrolling = None;
             match unrolled {
                 Err(Stop::Endless) => {
-                    (self.depth, self.problem) = before;
+                    self.problem = problem;
                     self.endless.insert(symbol);
                 }
                 done => return done,
             }
         }
-        let key: Vec<Option<Option<Function>>> = (0..count)
+        let key: Vec<Kind> = (0..count)
             .map(|i| match inner.bindings.get(i) {
-                Some(Binding::Function(function)) => Some(Some(*function)),
-                Some(Binding::Missing) | None => Some(None),
-                Some(_) => None,
+                Some(Binding::Function(function)) => Kind::Function(*function),
+                Some(Binding::Missing) | None => Kind::Missing,
+                Some(_) => Kind::Value,
             })
             .collect();
         let routine = self.routine(symbol, definition, key, scope, at)?;
@@ -393,14 +401,7 @@ impl<'l> Lowering<'l> {
     }
 
     /// The routine of a function that calls itself, for these kinds of arguments.
-    fn routine(
-        &mut self,
-        symbol: usize,
-        definition: &Definition,
-        key: Vec<Option<Option<Function>>>,
-        scope: &Scope,
-        at: usize,
-    ) -> Result<usize, Stop> {
+    fn routine(&mut self, symbol: usize, definition: &Definition, key: Vec<Kind>, scope: &Scope, at: usize) -> Result<usize, Stop> {
         if let Some(&routine) = self.instances.get(&(symbol, key.clone())) {
             return Ok(routine);
         }
@@ -413,9 +414,9 @@ impl<'l> Lowering<'l> {
         let bindings = key
             .iter()
             .map(|kind| match kind {
-                Some(Some(function)) => Binding::Function(*function),
-                Some(None) => Binding::Missing,
-                None => {
+                Kind::Function(function) => Binding::Function(*function),
+                Kind::Missing => Binding::Missing,
+                Kind::Value => {
                     parameters += 1;
                     Binding::Ready(self.graph.add(Node::Parameter(parameters as u16 - 1)))
                 }

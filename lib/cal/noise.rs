@@ -2,8 +2,12 @@
 
 /// A number in 0..1 that follows from `seed` (measured on rcalc; NaN where it has no value).
 pub(super) fn rand(seed: f64) -> f64 {
-    let product = seed * (1.0 / (1.0 + seed * seed) + 2.71828182845904);
-    let x = 1e5 / (product + 0.785398163397447 - product.floor());
+    // One digit short of e and of π/4: with 1e5 behind them, the digits matter.
+    #[allow(clippy::approx_constant)]
+    const NEAR_E: f64 = 2.71828182845904;
+    const NEAR_QUARTER_PI: f64 = 0.785398163397447;
+    let product = seed * (1.0 / (1.0 + seed * seed) + NEAR_E);
+    let x = 1e5 / (product + NEAR_QUARTER_PI - product.floor());
     x - x.floor()
 }
 
@@ -36,7 +40,7 @@ pub(super) fn perlin_slope(axis: usize, mut p: [f64; 3]) -> f64 {
 pub(super) fn fractal(p: [f64; 3]) -> f64 {
     const STEPS: i64 = 2000;
     // Keep the integers exact; so far out the noise has no structure left anyway.
-    if p.iter().any(|v| !(v.abs() < 1e12)) {
+    if p.iter().any(|v| v.is_nan() || v.abs() > 1e12) {
         return f64::NAN;
     }
     let target = p.map(|v| (v * STEPS as f64) as i64);
@@ -73,11 +77,7 @@ pub(super) fn fractal(p: [f64; 3]) -> f64 {
             next[octant ^ 1 << i] = 0.5 * ends + size * hash(at);
         }
         corner = next;
-        for i in 0..3 {
-            if octant >> i & 1 == 1 {
-                low[i] += edge;
-            }
-        }
+        low = std::array::from_fn(|i| low[i] + edge * (octant >> i & 1) as i64);
     }
 }
 

@@ -149,15 +149,15 @@ const STACK: usize = 16_384;
 pub(super) const MAX_REGISTERS: usize = STACK / 2;
 
 /// Evaluates the first of `routines` and hands its results to `take`, in order.
+#[inline]
 pub(super) fn run(routines: &[Routine], arguments: &[f64], parameters: &[f64], context: &Context, take: impl FnMut(f64)) {
     let machine = Machine { routines, arguments, context };
-    let main = &routines[0];
-    if routines.len() > 1 || main.registers > 256 {
-        machine.start(&mut [0.0; STACK], parameters, take);
-    } else if main.registers > 32 {
-        machine.start(&mut [0.0; 256], parameters, take);
+    if routines.len() > 1 || routines[0].registers > 256 {
+        machine.start::<STACK>(parameters, take);
+    } else if routines[0].registers > 16 {
+        machine.start::<256>(parameters, take);
     } else {
-        machine.start(&mut [0.0; 32], parameters, take);
+        machine.start::<16>(parameters, take);
     }
 }
 
@@ -168,11 +168,13 @@ struct Machine<'a> {
 }
 
 impl Machine<'_> {
-    #[inline]
-    fn start(&self, stack: &mut [f64], parameters: &[f64], mut take: impl FnMut(f64)) {
+    // Kept apart for each size, so that small programs do not pay for a large stack.
+    #[inline(never)]
+    fn start<const REGISTERS: usize>(&self, parameters: &[f64], mut take: impl FnMut(f64)) {
+        let mut stack = [0.0; REGISTERS];
         stack[..parameters.len()].copy_from_slice(parameters);
         let main = &self.routines[0];
-        self.routine(main, stack, 0, &mut 0);
+        self.routine(main, &mut stack, 0, &mut 0);
         main.results.iter().for_each(|&r| take(stack[usize::from(r)]));
     }
 
@@ -188,8 +190,8 @@ impl Machine<'_> {
             next += 1;
             match op {
                 Op::Constant { to, value } => reg!(to) = value,
-                Op::Channel { to, index } => reg!(to) = self.context.channels.get(usize::from(index)).copied().unwrap_or(f64::NAN),
-                Op::Free { to, index } => reg!(to) = self.context.free.get(usize::from(index)).copied().unwrap_or(f64::NAN),
+                Op::Channel { to, index } => reg!(to) = value_or_nan(self.context.channels, index),
+                Op::Free { to, index } => reg!(to) = value_or_nan(self.context.free, index),
                 Op::Argument { to, a } => reg!(to) = argument(self.arguments, reg!(a)),
                 Op::Copy { to, a } => reg!(to) = reg!(a),
                 Op::Add { to, a, b } => reg!(to) = reg!(a) + reg!(b),
@@ -206,14 +208,8 @@ impl Machine<'_> {
                 Op::Binary { f, to, a, b } => reg!(to) = f.apply(reg!(a), reg!(b)),
                 Op::Ternary { f, to, a } => reg!(to) = f.apply(a.map(|r| reg!(r))),
                 Op::Choose { to, condition, a, b } => {
-                    let condition = reg!(condition);
-                    reg!(to) = if condition > 0.0 {
-                        reg!(a)
-                    } else if condition <= 0.0 {
-                        reg!(b)
-                    } else {
-                        f64::NAN
-                    };
+                    let (condition, a, b) = (reg!(condition), reg!(a), reg!(b));
+                    reg!(to) = if condition.is_nan() { f64::NAN } else { [b, a][usize::from(condition > 0.0)] };
                 }
                 Op::Branch { to, condition, otherwise, end } => {
                     let condition = reg!(condition);
@@ -228,40 +224,56 @@ impl Machine<'_> {
                 }
                 Op::Switch { to, index, table } => {
                     let table = &routine.tables[table as usize..];
-                    let (count, index) = (table[0] as usize, reg!(index));
-                    match usize::try_from(nearest(index)) {
-                        Ok(choice @ 1..) if choice <= count && !index.is_nan() => next = table[1 + choice] as usize,
-                        Ok(0) if !index.is_nan() => {
-                            reg!(to) = count as f64;
-                            next = table[1] as usize;
-                        }
-                        _ => {
-                            reg!(to) = f64::NAN;
+                    match choice(reg!(index), table[0]) {
+                        Ok(place) => next = table[1 + place] as usize,
+                        Err(value) => {
+                            reg!(to) = value;
                             next = table[1] as usize;
                         }
                     }
                 }
                 Op::Jump { target } => next = target as usize,
                 Op::Call { to, routine: callee, list } => {
-                    let callee = &self.routines[usize::from(callee)];
-                    let list = &routine.lists[list as usize..];
-                    *calls += 1;
-                    if depth >= MAX_DEPTH || *calls > MAX_CALLS || beyond.len() < callee.registers {
-                        reg!(to) = f64::NAN;
-                        continue;
-                    }
-                    for (i, &r) in list[1..=usize::from(list[0])].iter().enumerate() {
-                        beyond[i] = reg!(r);
-                    }
-                    self.routine(callee, beyond, depth + 1, calls);
-                    reg!(to) = beyond[usize::from(callee.results[0])];
+                    let arguments = &routine.lists[list as usize..];
+                    reg!(to) = self.call(callee, &arguments[1..=usize::from(arguments[0])], frame, beyond, depth, calls);
                 }
             }
         }
     }
+
+    /// The result of a routine for the arguments in these registers of the caller.
+    #[inline(never)]
+    fn call(&self, callee: u16, arguments: &[Register], frame: &[f64], beyond: &mut [f64], depth: usize, calls: &mut usize) -> f64 {
+        let callee = &self.routines[usize::from(callee)];
+        *calls += 1;
+        if depth >= MAX_DEPTH || *calls > MAX_CALLS || beyond.len() < callee.registers {
+            return f64::NAN;
+        }
+        for (to, &r) in beyond.iter_mut().zip(arguments) {
+            *to = frame[usize::from(r)];
+        }
+        self.routine(callee, beyond, depth + 1, calls);
+        beyond[usize::from(callee.results[0])]
+    }
+}
+
+fn value_or_nan(values: &[f64], index: u16) -> f64 {
+    values.get(usize::from(index)).copied().unwrap_or(f64::NAN)
+}
+
+/// The choice that a rounded index picks among `count`, from 1; or what the selection gives instead.
+#[inline(never)]
+fn choice(index: f64, count: u32) -> Result<usize, f64> {
+    match nearest(index) {
+        _ if index.is_nan() => Err(f64::NAN),
+        0 => Err(f64::from(count)),
+        n if n >= 1 && n <= i64::from(count) => Ok(n as usize),
+        _ => Err(f64::NAN),
+    }
 }
 
 /// `arg(n)`: the n-th argument, their number for n = 0 or less, NaN beyond.
+#[inline(never)]
 pub(super) fn argument(arguments: &[f64], n: f64) -> f64 {
     match nearest(n) {
         _ if n.is_nan() => f64::NAN,
