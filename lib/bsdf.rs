@@ -72,6 +72,8 @@ pub struct Point {
     pub front: bool,
     /// Whether RADIANCE widens highlights by the size of the source: an untextured polygon or ring.
     pub flat: bool,
+    /// World direction of the first tangent of an anisotropic lobe; any length, zero where it does not matter.
+    pub orientation: Vec3,
 }
 
 /// A rough lobe: its colour and the squares of its two roughnesses.
@@ -134,8 +136,6 @@ pub struct Reflectance {
     pub metal: bool,
     /// Whether it may be a mirror: the isotropic types.
     pub isotropic: bool,
-    /// World direction of the first tangent of an anisotropic lobe; any length, zero where it does not matter.
-    pub orientation: Vec3,
 }
 
 impl Bsdf {
@@ -224,8 +224,8 @@ impl Bsdf {
         if m.isotropic || a == b {
             return [a, b];
         }
-        let across = point.shading.cross(m.orientation);
-        if across.length_squared() <= 1e-12 * m.orientation.length_squared() || across == Vec3::ZERO {
+        let across = point.shading.cross(point.orientation);
+        if across.length_squared() <= 1e-12 * point.orientation.length_squared() || across == Vec3::ZERO {
             let mean = (0.5 * (a + b)).max(1e-12);
             return [mean, mean];
         }

@@ -8,10 +8,11 @@
 use crate::bsdf::{Arriving, Bsdf, Delta, Part};
 use crate::color::Rgb;
 use crate::geometry::Ray;
+use crate::material::Inside;
 use crate::rules::Rules;
 use crate::sampling::Sampler;
 use crate::vector::Vec3;
-use crate::world::{Emission, Emitter, Inside, Layer, World};
+use crate::world::{Emission, Emitter, Layer, World};
 
 /// What paths carry, and what becomes of the light they find.
 pub trait Transport {
@@ -261,7 +262,8 @@ impl<'a, B: Clone> Integrator<'a, B> {
                 chosen = self.choose(&mut at, &share);
             }
         }
-        let taken = |way: usize| at.exact || chosen == Some(way);
+        let all = at.exact;
+        let taken = |way: usize| all || chosen == Some(way);
         // The expected number of samples of each part, per way to sample it.
         let mut counts = [0.0; 4];
         for part in Part::ALL {
@@ -413,7 +415,8 @@ impl<'a, B: Clone> Integrator<'a, B> {
         if let Some(jitter) = self.rules.light_jitter {
             for lamp in 0..world.lamps().len() {
                 let u = if jitter > 0.0 { self.draw(at) } else { [0.5; 2] };
-                if let Some(sample) = world.lamps()[lamp].centre(at.ray.origin, jitter, u) {
+                let w = if jitter > 0.0 { self.draw(at)[0] } else { 0.5 };
+                if let Some(sample) = world.lamps()[lamp].centre(at.ray.origin, jitter, [u[0], u[1], w]) {
                     let wi = surface.bsdf().to_local(sample.direction);
                     let beta = transport.scatter(&at.beta, surface, wi, Arriving::Lamp(sample.omega), &[sample.omega; 4]);
                     self.shadow(transport, at, beta, sample.direction, sample.distance, Emitter::Lamp(lamp));

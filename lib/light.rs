@@ -3,7 +3,7 @@
 //! A lamp is a surface or a distant source whose material is a light, a spotlight, an illum, or a glow with a radius. Directions
 //! point from the lit point to the lamp. How bright it is there is the world's to say.
 
-use crate::geometry::{Ray, Shape};
+use crate::geometry::{AreaSampler, Facing, LightShape, Ray, Shape};
 use crate::sampling::cone;
 use crate::vector::{Frame, Vec3};
 use std::f64::consts::PI;
@@ -28,8 +28,15 @@ pub struct Lamp {
 pub enum Form {
     /// A distant cone of directions around an axis, and 1 − cos of its half angle.
     Distant(Vec3, f64),
-    /// A surface.
-    Shape(Shape),
+    /// A surface, ready to be sampled, and as RADIANCE's one sample sees it.
+    Shape(Shape, AreaSampler, LightShape),
+}
+
+impl Form {
+    /// A surface as a lamp; an error for one that RADIANCE refuses.
+    pub fn of(shape: &Shape) -> Result<Self, &'static str> {
+        Ok(Self::Shape(shape.clone(), AreaSampler::new(shape), shape.light()?))
+    }
 }
 
 /// A direction to a lamp.
@@ -50,21 +57,21 @@ impl Lamp {
             Form::Distant(axis, spread) => {
                 ToLamp { direction: Frame::around(*axis).to_world(cone(u, *spread)), distance: f64::INFINITY, omega: 2.0 * PI * spread }
             }
-            Form::Shape(shape) => {
+            Form::Shape(shape, area, _) => {
                 if let Some((center, spread)) = cap(shape, from) {
                     let direction = Frame::around((center - from).normalize()).to_world(cone(u, spread));
                     // A direction at the very rim may miss the sphere by rounding.
                     let distance = shape.intersect(&Ray { origin: from, direction }, 0.0, f64::INFINITY)?;
                     ToLamp { direction, distance, omega: 2.0 * PI * spread }
                 } else {
-                    let (point, normal) = shape.sample_area(u);
+                    let point = area.sample(u);
                     let to = point - from;
                     let (distance, direction) = (to.length(), to.normalize());
-                    let cos = -direction.dot(normal);
+                    let cos = -direction.dot(shape.normal_at(point));
                     if !(cos > 0.0) {
                         return None;
                     }
-                    ToLamp { direction, distance, omega: shape.area() * cos / (distance * distance) }
+                    ToLamp { direction, distance, omega: area.area() * cos / (distance * distance) }
                 }
             }
         };
@@ -81,30 +88,39 @@ impl Lamp {
                     0.0
                 }
             }
-            Form::Shape(shape) => {
+            Form::Shape(shape, area, _) => {
                 let ray = Ray { origin: from, direction };
                 let Some(t) = shape.intersect(&ray, 0.0, f64::INFINITY).filter(|&t| t <= self.radius) else { return 0.0 };
                 if let Some((_, spread)) = cap(shape, from) {
                     return 1.0 / (2.0 * PI * spread);
                 }
                 let cos = -direction.dot(shape.normal_at(from + direction * t));
-                if cos > 0.0 { t * t / (cos * shape.area()) } else { 0.0 }
+                if cos > 0.0 { t * t / (cos * area.area()) } else { 0.0 }
             }
         }
     }
 
     /// RADIANCE's one sample (semantics 3.11): the centre, moved at random over the fraction `jitter` of the extent, and the solid angle it takes the lamp to have.
-    pub fn centre(&self, from: Vec3, jitter: f64, u: [f64; 2]) -> Option<ToLamp> {
+    pub fn centre(&self, from: Vec3, jitter: f64, u: [f64; 3]) -> Option<ToLamp> {
         let sample = match &self.form {
             Form::Distant(axis, spread) => {
                 let direction = Frame::around(*axis).to_world(cone([u[0] * jitter * jitter, u[1]], *spread));
                 ToLamp { direction, distance: f64::INFINITY, omega: 2.0 * PI * spread }
             }
-            Form::Shape(shape) => {
-                let (point, weight) = shape.centre_sample(from, jitter, u)?;
-                let to = point - from;
+            Form::Shape(_, _, light) => {
+                let [a, b, c] = light.half_edges;
+                let to = light.center + (a * (2.0 * u[0] - 1.0) + b * (2.0 * u[1] - 1.0) + c * (2.0 * u[2] - 1.0)) * jitter - from;
                 let distance = to.length();
-                ToLamp { direction: to / distance, distance, omega: weight / (distance * distance) }
+                let direction = to / distance;
+                let cos = match light.facing {
+                    Facing::Front(normal) => -direction.dot(normal),
+                    Facing::Across(axis) => direction.cross(axis).length(),
+                    Facing::All => 1.0,
+                };
+                if cos <= 1e-4 {
+                    return None;
+                }
+                ToLamp { direction, distance, omega: light.size * cos / (distance * distance) }
             }
         };
         (sample.distance <= self.radius).then_some(self.focused(sample))
@@ -115,12 +131,11 @@ impl Lamp {
         self.brightness
             * match &self.form {
                 Form::Distant(_, spread) => 2.0 * PI * spread,
-                Form::Shape(shape) => {
-                    let bounds = shape.bounds();
-                    let (center, size) = ((bounds.min + bounds.max) / 2.0, (bounds.max - bounds.min).length_squared() / 4.0);
+                Form::Shape(shape, area, light) => {
+                    let size = (shape.bounds().max - shape.bounds().min).length_squared() / 4.0;
+                    let distance = light.center.distance_squared(from);
                     // Beyond its radius a glow lights nothing, whatever point of it is taken.
-                    let distance = center.distance_squared(from);
-                    if self.radius.is_finite() && distance.sqrt() > self.radius + size.sqrt() { 0.0 } else { shape.area() / distance.max(size) }
+                    if self.radius.is_finite() && distance.sqrt() > self.radius + size.sqrt() { 0.0 } else { area.area() / distance.max(size) }
                 }
             }
     }

@@ -194,7 +194,6 @@ impl Arguments<'_> {
             transmitted_specular: 0.0,
             metal: self.0.kind.starts_with("metal"),
             isotropic: roughnesses == 1,
-            orientation: Vec3::ZERO,
         }
     }
 }

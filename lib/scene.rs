@@ -2,13 +2,12 @@
 //!
 //! Only what a surface uses is resolved: an unused material may be anything (semantics 1.2).
 
-use crate::cal::Library;
 use crate::error::{Error, Result};
 use crate::expand::{Annotation, Flat};
 use crate::geometry::{Mesh, Shape};
 use crate::import;
 use crate::material::{Material, unsupported};
-use crate::pattern::{Orientation, Pattern, Scalar, Texture};
+use crate::pattern::{Mixture, Pattern, Sources, Texture};
 use crate::rad::{Class, Primitive};
 use crate::resolve::Resolve;
 use crate::transform::Transform;
@@ -46,7 +45,7 @@ pub struct Named {
     /// Its type and numbers.
     pub material: Material,
     /// The tangent of an anisotropic lobe.
-    pub orientation: Option<Orientation>,
+    pub orientation: Option<Texture>,
     /// The modifier a mirror or illum names as its alternate.
     pub alternate: Option<ChainId>,
     /// The place of its definition among the primitives: later ones win ties.
@@ -114,13 +113,23 @@ pub enum End {
     /// A material.
     Material(MaterialId),
     /// The share of the first chain; the rest is of the second.
-    Mixture(Arc<Scalar>, ChainId, ChainId),
+    Mixture(Arc<Mixture>, ChainId, ChainId),
 }
 
 impl Scene {
     /// The scene that `flat` describes. With `skip_unsupported`, surfaces whose material is not rendered are left out, with a warning.
-    pub fn new(flat: &Flat, resolve: &dyn Resolve, skip_unsupported: bool) -> Result<Self> {
-        let mut builder = Builder { resolve, library: Library::new(), definitions: Vec::new(), names: HashMap::new(), chains: HashMap::new(), materials: HashMap::new(), links: HashMap::new(), meshes: HashMap::new(), scene: Self::default() };
+    pub fn new<'a>(flat: &'a Flat, resolve: &'a dyn Resolve, skip_unsupported: bool) -> Result<Self> {
+        let mut builder = Builder {
+            resolve,
+            sources: Sources::new(resolve),
+            definitions: Vec::new(),
+            names: HashMap::new(),
+            chains: HashMap::new(),
+            materials: HashMap::new(),
+            links: HashMap::new(),
+            meshes: HashMap::new(),
+            scene: Self::default(),
+        };
         builder.scene.warnings.clone_from(&flat.warnings);
         for primitive in &flat.primitives {
             let Some(class) = primitive.type_of().map(|t| t.class) else { return Err(primitive.error(format!("{} is not a type of RADIANCE's", primitive.kind))) };
@@ -172,7 +181,7 @@ struct Definition<'a> {
 /// A scene in the making.
 struct Builder<'a> {
     resolve: &'a dyn Resolve,
-    library: Library,
+    sources: Sources<'a>,
     definitions: Vec<Definition<'a>>,
     /// Every definition of each name, in order.
     names: HashMap<&'a str, Vec<DefinitionId>>,
@@ -248,11 +257,123 @@ impl<'a> Builder<'a> {
             }
             "instance" => return Err(Unresolved::Unsupported(unsupported(primitive))),
             _ => {
-                if let Some(shape) = Shape::of(primitive, &mut self.scene.warnings)? {
+                let shape = Shape::new(&primitive.kind, &primitive.reals, &mut self.scene.warnings).map_err(|e| primitive.error(e))?;
+                if let Some(shape) = shape {
                     self.scene.surfaces.push(Surface { name, modifier: modifier_name, form: Form::Shape(shape), chains: vec![chain] });
                 }
             }
         }
+        Ok(())
+    }
+
+    /// The resolved form of a modifier and all behind it.
+    fn chain(&mut self, modifier: Option<DefinitionId>) -> std::result::Result<ChainId, Unresolved> {
+        if let Some(&known) = self.chains.get(&modifier) {
+            return Ok(known);
+        }
+        let mut chain = Chain::default();
+        let mut at = modifier;
+        while let Some(id) = at {
+            let Definition { primitive, behind, order } = self.definitions[id];
+            at = behind;
+            match primitive.type_of().map(|t| t.class) {
+                Some(Class::Pattern | Class::Texture) => chain.links.push(self.link(primitive)?),
+                Some(Class::Mixture) => {
+                    if let End::Material(_) = chain.end {
+                        continue;
+                    }
+                    let coefficient = Mixture::compile(primitive, &mut self.sources)?.ok_or_else(|| Unresolved::Unsupported(unsupported(primitive)))?;
+                    let mut side = |i: usize| {
+                        let name = primitive.strings[i].as_str();
+                        let found = if name == "void" { None } else { Some(self.late(primitive, i, order)?) };
+                        self.chain(found)
+                    };
+                    let (fore, back) = (side(0)?, side(1)?);
+                    chain.end = End::Mixture(Arc::new(coefficient), fore, back);
+                    if behind.is_some() {
+                        return Err(primitive.modifier_error("a mixture of materials must have the modifier void").into());
+                    }
+                }
+                _ => match chain.end {
+                    End::Void => chain.end = End::Material(self.material(primitive, order)?),
+                    _ => return Err(primitive.error(format!("conflicting material: there is another one before `{}` in the chain of modifiers", primitive.name)).into()),
+                },
+            }
+        }
+        self.scene.chains.push(chain);
+        self.chains.insert(modifier, self.scene.chains.len() - 1);
+        Ok(self.scene.chains.len() - 1)
+    }
+
+    /// A modifier that a string argument names: the latest before the primitive.
+    fn late(&self, primitive: &Primitive, string: usize, order: u32) -> Result<DefinitionId> {
+        let name = &primitive.strings[string];
+        self.find(name, order as usize).ok_or_else(|| primitive.string_error(string, format!("no modifier `{name}` is defined before this")))
+    }
+
+    /// The compiled pattern or texture of a primitive.
+    fn link(&mut self, primitive: &'a Primitive) -> std::result::Result<Link, Unresolved> {
+        if let Some(known) = self.links.get(&std::ptr::from_ref(primitive)) {
+            return Ok(known.clone());
+        }
+        let link = if let Some(pattern) = Pattern::compile(primitive, &mut self.sources)? {
+            Link::Pattern(Arc::new(pattern))
+        } else if let Some(texture) = Texture::compile(primitive, &mut self.sources)? {
+            Link::Texture(Arc::new(texture))
+        } else {
+            return Err(Unresolved::Unsupported(unsupported(primitive)));
+        };
+        self.links.insert(primitive, link.clone());
+        Ok(link)
+    }
+
+    /// The place of the material that a primitive defines.
+    fn material(&mut self, primitive: &'a Primitive, order: u32) -> std::result::Result<MaterialId, Unresolved> {
+        if let Some(&known) = self.materials.get(&std::ptr::from_ref(primitive)) {
+            return Ok(known);
+        }
+        let Some(material) = Material::of(primitive)? else { return Err(Unresolved::Unsupported(unsupported(primitive))) };
+        let alternate = match (&material, primitive.strings.first().map(String::as_str)) {
+            (Material::Illum(_) | Material::Mirror(_), Some(name)) => {
+                let found = if name == "void" { None } else { Some(self.late(primitive, 0, order)?) };
+                Some(self.chain(found)?)
+            }
+            _ => None,
+        };
+        let orientation = Texture::orientation(primitive, &mut self.sources)?;
+        self.scene.materials.push(Named { name: primitive.name.clone(), material, orientation, alternate, order });
+        self.materials.insert(primitive, self.scene.materials.len() - 1);
+        Ok(self.scene.materials.len() - 1)
+    }
+
+    /// The mesh file that a primitive names.
+    fn model(&mut self, primitive: &Primitive) -> Result<Arc<import::Model>> {
+        let Some(name) = primitive.strings.first() else { return Err(primitive.error("a mesh needs the name of its file")) };
+        if let Some(known) = self.meshes.get(name) {
+            return Ok(known.clone());
+        }
+        let bytes = self.resolve.library(name).map_err(|e| primitive.string_error(0, e.message))?;
+        let model = Arc::new(import::model(&bytes, name)?);
+        self.meshes.insert(name.clone(), model.clone());
+        Ok(model)
+    }
+
+    /// The chains of a mesh's own materials.
+    fn embedded(&mut self, _primitive: &Primitive, _model: &import::Model) -> std::result::Result<Vec<ChainId>, Unresolved> {
+        Ok(vec![self.chain(None)?])
+    }
+
+    /// A measured place of an environment map: `#@probe X Y Z GLOW_ID`.
+    fn probe(&mut self, annotation: &Annotation) -> Result<()> {
+        let wrong = || annotation.span.error("a probe is written #@probe X Y Z GLOW_ID");
+        let [x, y, z, name] = &annotation.arguments[..] else { return Err(wrong()) };
+        let number = |word: &String| word.parse::<f64>().ok().filter(|v| v.is_finite()).ok_or_else(wrong);
+        let place = Vec3::new(number(x)?, number(y)?, number(z)?);
+        let Some(glow) = self.find(name, self.definitions.len()) else { return Err(annotation.span.error(format!("no glow `{name}` is defined"))) };
+        let chain = self.chain(Some(glow)).map_err(|e| match e {
+            Unresolved::Unsupported(error) | Unresolved::Wrong(error) => error,
+        })?;
+        self.scene.probes.push((place, chain));
         Ok(())
     }
 }

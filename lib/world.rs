@@ -3,10 +3,11 @@
 //! Here a hit becomes the layers it is made of, a direction into the distance becomes what shines there, and lamps become a list to choose
 //! from. What the scene does not use is not built: no table for a uniform environment, no shadow paths where nothing is transparent.
 
-use crate::accel::{Accel, Geometry, Hit};
+use crate::accel::{self, Accel, Geometry, Hit, Rank};
 use crate::bsdf::{Bsdf, Point};
 use crate::color::{Rgb, bright};
 use crate::environment::Environment;
+use crate::error::{Error, Result};
 use crate::geometry::{Mesh, Ray};
 use crate::light::{self, Lamp, ToLamp};
 use crate::material::{Inside, Material};
@@ -30,6 +31,8 @@ pub struct World {
     transparent: bool,
     /// How RADIANCE's absolute thresholds are scaled.
     scale: f64,
+    /// The material that is not known, if one is: what it fills has no known extinction.
+    pub unknown: Option<MaterialId>,
 }
 
 /// What a hit surface is.
@@ -112,10 +115,10 @@ const FAR: f64 = 1e10;
 
 impl World {
     /// The world of a scene. Surfaces without a material are not there; `rules` say whether backs are.
-    pub fn new(scene: Scene, rules: &Rules) -> Self {
+    pub fn new(scene: Scene, rules: &Rules) -> Result<Self> {
         let Scene { surfaces, sources, chains, materials, .. } = scene;
         let mut world = Self {
-            accel: Accel::build(Vec::new(), &[]),
+            accel: Accel::build(Vec::new())?,
             surfaces: Vec::new(),
             chains,
             materials,
@@ -124,35 +127,39 @@ impl World {
             environment: None,
             transparent: false,
             scale: 1.0,
+            unknown: None,
         };
-        let mut geometry = Vec::new();
+        let mut bodies = Vec::new();
         for surface in surfaces {
             if surface.chains.iter().all(|&c| world.is_void(c)) {
                 continue;
             }
             world.transparent |= !rules.back_visible || surface.chains.iter().any(|&c| world.transmits(c));
-            let (form, flat, mesh, lamp) = match surface.form {
+            let (geometry, flat, mesh, lamp) = match surface.form {
                 Form::Shape(shape) => {
-                    let lamp = world.lamp(surface.chains[0], || light::Form::Shape(shape.clone()));
+                    let form = || light::Form::of(&shape).map_err(|e| Error::new(format!("{}: {e}", surface.name)));
+                    let lamp = world.lamp(surface.chains[0], form)?;
                     let flat = shape.flat();
                     (Geometry::Shape(shape), flat, None, lamp)
                 }
                 Form::Mesh(mesh, transform) => (Geometry::Mesh(mesh.clone(), transform.affine), true, Some((mesh, transform)), None),
             };
-            geometry.push(form);
+            bodies.push(accel::Surface { geometry, ranks: surface.chains.iter().map(|&c| world.rank(c)).collect() });
             world.surfaces.push(Surface { chains: surface.chains, lamp, flat, mesh });
         }
         for source in sources {
-            world.source(source);
+            world.source(source)?;
         }
-        let ranks: Vec<u32> = world.surfaces.iter().map(|s| world.rank(s)).collect();
-        world.accel = Accel::build(geometry, &ranks);
-        let size = world.accel.bounds().map_or(1.0, |b| (b.max - b.min).max_element());
-        world.scale = if size < 1e-3 { size / 1e-3 } else { (size / 1e3).max(1.0) };
-        let middle = world.accel.bounds().map_or(Vec3::ZERO, |b| (b.min + b.max) / 2.0);
-        let glows = world.sources.iter().any(|s| s.lamp.is_none());
-        world.environment = glows.then(|| Environment::new(ENVIRONMENT_ROWS, |d| world.glow(middle, d).map_or(Rgb::ZERO, |e| e.radiance))).flatten();
-        world
+        world.accel = Accel::build(bodies)?;
+        let bounds = world.accel.bounds();
+        if !bounds.is_empty() {
+            world.scale = if bounds.size() < 1e-3 { bounds.size() / 1e-3 } else { (bounds.size() / 1e3).max(1.0) };
+        }
+        let middle = if bounds.is_empty() { Vec3::ZERO } else { bounds.center() };
+        if world.sources.iter().any(|s| s.lamp.is_none()) {
+            world.environment = Environment::new(ENVIRONMENT_ROWS, |d| world.glow(middle, d).map_or(Rgb::ZERO, |e| e.radiance));
+        }
+        Ok(world)
     }
 
     /// Whether there is nothing at the end of a chain.
@@ -173,43 +180,43 @@ impl World {
         }
     }
 
-    /// What decides between coincident surfaces: opaque before transparent, then the later material (semantics 2.1).
-    fn rank(&self, surface: &Surface) -> u32 {
-        let rank = |chain: ChainId| match self.chains[chain].end {
-            End::Material(m) => self.materials[m].order + if self.transmits(chain) { 0 } else { 1 << 31 },
-            _ => 0,
-        };
-        surface.chains.iter().map(|&c| rank(c)).max().unwrap_or(0)
+    /// What decides between coincident surfaces (semantics 2.1).
+    fn rank(&self, chain: ChainId) -> Rank {
+        match self.chains[chain].end {
+            End::Void => Rank::default(),
+            End::Material(m) => Rank { class: if self.transmits(chain) { 1 } else { 2 }, order: self.materials[m].order },
+            End::Mixture(_, fore, back) => self.rank(fore).max(self.rank(back)),
+        }
     }
 
     /// Adds a lamp if the chain makes its bearer one; returns its number.
-    fn lamp(&mut self, chain: ChainId, form: impl FnOnce() -> light::Form) -> Option<usize> {
-        let End::Material(m) = self.chains[chain].end else { return None };
-        let distant;
+    fn lamp(&mut self, chain: ChainId, form: impl FnOnce() -> Result<light::Form>) -> Result<Option<usize>> {
+        let End::Material(m) = self.chains[chain].end else { return Ok(None) };
         let (radiance, radius, focus) = match self.materials[m].material {
             Material::Light(radiance) | Material::Illum(radiance) => (radiance, f64::INFINITY, 0.0),
             Material::Spotlight(radiance, _, aim) => (radiance, f64::INFINITY, aim.length()),
             Material::Glow(radiance, radius) if radius > 1e-6 => (radiance, radius, 0.0),
-            _ => return None,
+            _ => return Ok(None),
         };
-        let form = form();
-        distant = matches!(form, light::Form::Distant(..));
+        let form = form()?;
+        let distant = matches!(form, light::Form::Distant(..));
         // A light without light is dropped; a distant glow is never a lamp (semantics 2.2, 3.8).
         if radiance.max_element() <= 1e-6 || distant && matches!(self.materials[m].material, Material::Glow(..)) {
-            return None;
+            return Ok(None);
         }
         let shared = focus == 0.0 && !matches!(self.materials[m].material, Material::Illum(_));
         self.lamps.push(Lamp { form, brightness: bright(radiance).abs(), radius, focus, shared });
-        Some(self.lamps.len() - 1)
+        Ok(Some(self.lamps.len() - 1))
     }
 
     /// Adds a distant source if it shines.
-    fn source(&mut self, source: Distant) {
-        let End::Material(m) = self.chains[source.chain].end else { return };
-        let lamp = self.lamp(source.chain, || light::Form::Distant(source.direction, source.spread));
+    fn source(&mut self, source: Distant) -> Result<()> {
+        let End::Material(m) = self.chains[source.chain].end else { return Ok(()) };
+        let lamp = self.lamp(source.chain, || Ok(light::Form::Distant(source.direction, source.spread)))?;
         if lamp.is_some() || matches!(self.materials[m].material, Material::Glow(..)) {
             self.sources.push(Source { direction: source.direction, spread: source.spread, chain: source.chain, lamp });
         }
+        Ok(())
     }
 
     /// The nearest surface along a ray, within `limit`.
@@ -291,7 +298,7 @@ impl World {
     fn shine(&self, source: &Source, origin: Vec3, direction: Vec3) -> Option<Emission> {
         let chain = &self.chains[source.chain];
         let End::Material(m) = chain.end else { return None };
-        let at = At { direction, normal: -direction, point: origin, t: FAR, ts: FAR, rdot: 1.0, uv: [0.0; 2] };
+        let at = At::distant(direction, origin);
         let (pattern, _) = apply(&chain.links, &at, Rgb::ONE, Vec3::ZERO);
         let emitter = |glow: Emitter| source.lamp.map_or(glow, Emitter::Lamp);
         Some(match &self.materials[m].material {
@@ -322,6 +329,7 @@ impl World {
                 ts: hit.t,
                 rdot: (-ray.direction.dot(hit.normal)).clamp(-1.0, 1.0),
                 uv: [0.0; 2],
+                instance: None,
             },
             out,
         };
@@ -334,7 +342,7 @@ impl World {
                 place.at.uv = uv;
             }
             if let Some(normal) = mesh.normal(hit.triangle, hit.barycentric) {
-                perturbation = transform.normal(normal) - hit.normal;
+                perturbation = transform.vector(normal).normalize() - hit.normal;
             }
         }
         place.walk(chain, 1.0, Rgb::ONE, perturbation);
@@ -349,7 +357,7 @@ struct Place<'a> {
     primary: bool,
     aim: Option<Emitter>,
     distance: f64,
-    at: At,
+    at: At<'a>,
     out: &'a mut dyn FnMut(&Layer),
 }
 
@@ -362,7 +370,7 @@ impl Place<'_> {
             End::Void => self.show(fraction, None, pattern, perturbation),
             End::Material(id) => self.show(fraction, Some(*id), pattern, perturbation),
             End::Mixture(coefficient, fore, back) => {
-                let c = coefficient.value(&self.at).unwrap_or(0.0).clamp(0.0, 1.0);
+                let c = coefficient.coefficient(&self.at).unwrap_or(0.0);
                 for (share, chain) in [(c, *fore), (1.0 - c, *back)] {
                     if share > 1e-6 {
                         self.walk(chain, fraction * share, pattern, perturbation);
@@ -376,7 +384,7 @@ impl Place<'_> {
     fn show(&mut self, fraction: f64, id: Option<MaterialId>, pattern: Rgb, perturbation: Vec3) {
         let front = self.at.rdot > 0.0;
         let named = id.map(|id| &self.world.materials[id]);
-        let mut layer = Layer { fraction, material: named, id: id.unwrap_or(0), pattern, point: self.point(front, perturbation), emission: None, behind: None };
+        let mut layer = Layer { fraction, material: named, id: id.unwrap_or(0), pattern, point: self.point(named, front, perturbation), emission: None, behind: None };
         let Some(named) = named else { return (self.out)(&layer) };
         match &named.material {
             // The back of a surface that does not use its side is not there.
@@ -406,7 +414,9 @@ impl Place<'_> {
                 layer.emission = Some(Emission { radiance: *radiance * pattern, emitter, beyond: self.at.t > *radius });
             }
             // A ray that meets the surface from inside has come through the body.
-            Material::Dielectric(inside) | Material::Interface(inside, _) if !front => layer.behind = Some(Inside::of(inside.extinction(pattern))),
+            Material::Dielectric(inside) | Material::Interface(inside, _) if !front => {
+                layer.behind = Some(Inside { extinction: inside.extinction(pattern), unknown: self.world.unknown == id });
+            }
             Material::Interface(_, outside) => layer.behind = Some(Inside::of(outside.extinction(Rgb::ONE))),
             _ => {}
         }
@@ -414,11 +424,12 @@ impl Place<'_> {
     }
 
     /// The hit as a material needs to know it.
-    fn point(&self, front: bool, perturbation: Vec3) -> Point {
+    fn point(&self, named: Option<&Named>, front: bool, perturbation: Vec3) -> Point {
         let sign = if front { 1.0 } else { -1.0 };
         let (to_viewer, geometric) = (-self.at.direction, self.at.normal * sign);
+        let orientation = named.and_then(|n| n.orientation.as_ref()).map_or(Vec3::ZERO, |o| o.perturbation(&self.at));
         if perturbation.length_squared() <= 1e-12 {
-            return Point { to_viewer, geometric, shading: geometric, perturbation: Vec3::ZERO, front, flat: self.surface.flat };
+            return Point { to_viewer, geometric, shading: geometric, perturbation: Vec3::ZERO, front, flat: self.surface.flat, orientation };
         }
         let perturbation = perturbation * sign;
         let mut shading = (geometric + perturbation).normalize();
@@ -426,7 +437,7 @@ impl Place<'_> {
         if shading.dot(to_viewer) <= 0.0 {
             shading -= to_viewer * (2.0 * shading.dot(to_viewer));
         }
-        Point { to_viewer, geometric, shading, perturbation, front, flat: false }
+        Point { to_viewer, geometric, shading, perturbation, front, flat: false, orientation }
     }
 }
 
