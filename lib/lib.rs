@@ -33,3 +33,7 @@ pub mod scene;
 pub mod world;
 pub mod pattern;
 pub mod import;
+pub mod anneal;
+pub mod unknown;
+pub mod transport;
+pub mod recover;

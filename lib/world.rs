@@ -224,6 +224,27 @@ impl World {
         self.accel.nearest(ray, self.epsilon(ray.origin), limit)
     }
 
+    /// Whether what a ray meets first is made of a material.
+    pub fn shows(&self, ray: &Ray, material: MaterialId) -> bool {
+        let Some(hit) = self.nearest(ray, f64::INFINITY) else { return false };
+        let surface = &self.surfaces[hit.surface as usize];
+        let mut chains = vec![self.chain_of(surface, &hit)];
+        while let Some(chain) = chains.pop() {
+            match self.chains[chain].end {
+                End::Material(m) if m == material => return true,
+                End::Mixture(_, fore, back) => chains.extend([fore, back]),
+                _ => {}
+            }
+        }
+        false
+    }
+
+    /// The chain of the part of a surface that was hit.
+    fn chain_of(&self, surface: &Surface, hit: &Hit) -> ChainId {
+        let material = surface.mesh.as_ref().map_or(0, |(mesh, _)| mesh.material(hit.triangle) as usize);
+        surface.chains[material.min(surface.chains.len() - 1)]
+    }
+
     /// Whether there is any surface along a ray.
     pub fn occluded(&self, ray: &Ray) -> bool {
         self.accel.occluded(ray, self.epsilon(ray.origin), f64::INFINITY)
@@ -333,11 +354,8 @@ impl World {
             },
             out,
         };
-        let (mut chain, mut perturbation) = (surface.chains[0], Vec3::ZERO);
+        let mut perturbation = Vec3::ZERO;
         if let Some((mesh, transform)) = &surface.mesh {
-            if let Some(&material) = mesh.materials.get(hit.triangle as usize) {
-                chain = surface.chains[(material as usize).min(surface.chains.len() - 1)];
-            }
             if let Some(uv) = mesh.uv(hit.triangle, hit.barycentric) {
                 place.at.uv = uv;
             }
@@ -345,7 +363,7 @@ impl World {
                 perturbation = transform.vector(normal).normalize() - hit.normal;
             }
         }
-        place.walk(chain, 1.0, Rgb::ONE, perturbation);
+        place.walk(self.chain_of(surface, hit), 1.0, Rgb::ONE, perturbation);
     }
 }
 

@@ -82,7 +82,7 @@ impl Monomials {
 
     /// For each column of a channel: its product, and its node if it has one.
     pub fn column(&self) -> impl Iterator<Item = (usize, Option<usize>)> + '_ {
-        (0..self.exponents.len()).flat_map(|m| {
+        (0..self.exponents.len()).flat_map(move |m| {
             let count = if self.varies(m) { self.nodes } else { 1 };
             (0..count).map(move |n| (m, self.varies(m).then_some(n)))
         })
