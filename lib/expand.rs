@@ -32,7 +32,7 @@ pub struct Flat {
     pub primitives: Vec<Primitive>,
     /// The annotations, moved by the transforms that they stood under.
     pub annotations: Vec<Annotation>,
-    /// What went wrong without making the description useless: `file:line:column: warning: message`.
+    /// What went wrong without making the description useless: `file:line:column: message`.
     pub warnings: Vec<String>,
 }
 
@@ -301,7 +301,7 @@ impl Expander<'_> {
 
     fn warn(&mut self, span: &Span, message: &str) {
         let (line, column) = span.line_column();
-        self.warnings.push(format!("{}:{line}:{column}: warning: {message}", span.source.name));
+        self.warnings.push(format!("{}:{line}:{column}: {message}", span.source.name));
     }
 }
 

@@ -117,7 +117,7 @@ fn a_command_that_fails_is_a_warning() {
         flat(&[("a.rad", "m sphere s 0 0 4 0 0 0 1\n!xform b.rad none.rad\n!xform -s 0 b.rad"), ("b.rad", "m sphere b 0 0 4 1 0 0 1")])
             .unwrap();
     assert_eq!(out.primitives.len(), 2);
-    assert!(out.warnings[0].starts_with("a.rad:2:1: warning: none.rad"), "{:?}", out.warnings);
+    assert!(out.warnings[0].starts_with("a.rad:2:1: none.rad"), "{:?}", out.warnings);
     assert!(out.warnings[1].contains("cannot scale to nothing"), "{:?}", out.warnings);
 }
 
