@@ -12,6 +12,7 @@ pub mod args;
 pub mod cli;
 pub mod color;
 pub mod error;
+pub mod metric;
 pub mod picture;
 pub mod resolve;
 pub mod vector;
