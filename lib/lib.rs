@@ -16,3 +16,4 @@ pub mod metric;
 pub mod picture;
 pub mod resolve;
 pub mod vector;
+pub mod view;
