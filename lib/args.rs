@@ -11,6 +11,7 @@ use std::ffi::OsString;
 use std::path::PathBuf;
 
 pub mod rtrace;
+pub mod imgdiff;
 pub mod spelling;
 
 /// Options that mean the same to all four programs.
@@ -87,7 +88,7 @@ pub fn parse<A: Parser>(words: Vec<OsString>, read: &dyn Fn(&str) -> Result<Stri
     let Rewritten { words, trail } = rewrite(&command, words, read)?;
     let matches = match command.try_get_matches_from_mut(words) {
         Ok(matches) => matches,
-        Err(error) if !error.use_stderr() => return Ok(Typed::Print(one_dash(&error.render().ansi().to_string(), " -").into_bytes())),
+        Err(error) if !error.use_stderr() => return Ok(Typed::Print(one_dash(&error.render().to_string(), " -").into_bytes())),
         Err(error) => return Err(usage(&error)),
     };
     let mut printed = Vec::new();
