@@ -4,6 +4,7 @@
 //! answers yes or no, or stops: with an error, or because nobody reads its output any more.
 
 pub use disk::Disk;
+pub use scene::{documents, flat, interrupted, view};
 pub use stream::{Input, Output};
 
 use crate::args::{self, Common, Typed};
@@ -14,6 +15,7 @@ use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 mod disk;
+mod scene;
 mod stream;
 
 /// What a program that worked has to say by its exit status.

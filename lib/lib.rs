@@ -17,7 +17,6 @@ pub mod expand;
 pub mod picture;
 pub mod rad;
 pub mod metric;
-pub mod picture;
 pub mod resolve;
 pub mod transform;
 pub mod vector;

@@ -4,11 +4,13 @@
 //! gets depends on the seed, the pixel and the number of samples only, so any number of threads gives the same picture.
 
 use crate::color::{Rgb, bright};
+use crate::error::{Error, Result};
 use crate::geometry::Ray;
 use crate::integrator::{Integrator, Radiance};
 use crate::rules::Rules;
 use crate::sampling::Sampler;
 use crate::vector::Vec3;
+use crate::view::{Camera, View};
 use crate::world::World;
 use rayon::prelude::*;
 use std::time::{Duration, Instant};
@@ -32,6 +34,37 @@ pub const DEFAULT_ERROR: f64 = 0.05;
 
 /// Origin, unit direction and length limit of the ray of sample point `(x, y)` of a pixel's area, each in [0, 1); `None` outside the view.
 pub type Lens<'a> = &'a (dyn Fn(usize, [f64; 2]) -> Option<(Vec3, Vec3, f64)> + Sync);
+
+/// A camera and the pixels behind it.
+#[derive(Clone, Debug)]
+pub struct Film {
+    /// The camera.
+    pub camera: Camera,
+    /// Pixels in a row.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+}
+
+impl Film {
+    /// The largest picture of a view that fits into `x` × `y` pixels of the aspect `pa` (height over width; 0: any).
+    pub fn new(view: &View, x: usize, y: usize, pa: f64) -> Result<Self> {
+        if x == 0 || y == 0 {
+            return Err(Error::new("a picture needs at least one pixel: -x and -y must be above 0"));
+        }
+        let camera = view.ready()?;
+        let (width, height) = camera.resolution(x, y, pa);
+        Ok(Self { camera, width, height })
+    }
+
+    /// The rays of the pixels, numbered row by row from the top, each row from the left.
+    pub fn lens(&self) -> impl Fn(usize, [f64; 2]) -> Option<(Vec3, Vec3, f64)> + Sync {
+        |number, [u, v]| {
+            let (x, y) = ((number % self.width) as f64, (number / self.width) as f64);
+            self.camera.ray((x + u) / self.width as f64, 1.0 - (y + v) / self.height as f64)
+        }
+    }
+}
 
 /// What is known of a pixel: sums of its samples, group by group.
 #[derive(Clone, Debug, Default)]

@@ -31,6 +31,10 @@ pub struct Arguments {
     #[command(flatten)]
     pub scene_options: Scenes,
 
+    /// Leave out surfaces whose material is not supported, and say so, instead of refusing the scene
+    #[arg(long)]
+    pub skip_unsupported: bool,
+
     #[command(flatten)]
     pub common: Common,
 }
