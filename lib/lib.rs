@@ -14,6 +14,7 @@ pub mod cli;
 pub mod color;
 pub mod error;
 pub mod expand;
+pub mod pattern;
 pub mod picture;
 pub mod rad;
 pub mod metric;
