@@ -8,6 +8,7 @@
 //!
 //! Data flows one way. A room uses only rooms that stand above it here.
 
+pub mod anneal;
 pub mod color;
 pub mod error;
 pub mod resolve;
