@@ -9,7 +9,14 @@
 //! Data flows one way. A room uses only rooms that stand above it here.
 
 pub mod anneal;
+pub mod args;
+pub mod cal;
+pub mod cli;
 pub mod color;
 pub mod error;
+pub mod expand;
+pub mod picture;
+pub mod rad;
 pub mod resolve;
+pub mod transform;
 pub mod vector;
