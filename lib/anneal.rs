@@ -14,6 +14,7 @@
 //!
 //! Sun and Wu (2002) accept a change only if it is an improvement: that is this at temperature 0.
 
+mod check;
 pub mod linear;
 mod polish;
 mod random;
@@ -296,6 +297,11 @@ impl Annealer {
     /// Evaluations so far.
     pub fn told(&self) -> usize {
         self.told
+    }
+
+    /// Whether all that was told is the same number: then nothing was learnt.
+    pub fn is_flat(&self) -> bool {
+        self.trials.windows(2).all(|pair| pair[0].chi2 == pair[1].chi2)
     }
 
     /// What is searched for.

@@ -10,6 +10,7 @@ use spelling::{Rewritten, is_radiance, is_switch, rewrite};
 use std::ffi::OsString;
 use std::path::PathBuf;
 
+pub mod anneal;
 pub mod spelling;
 
 /// Options that mean the same to all four programs.

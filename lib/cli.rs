@@ -13,6 +13,9 @@ use std::process::ExitCode;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
+pub mod exec;
+pub mod search;
+
 mod disk;
 mod stream;
 

@@ -19,4 +19,5 @@ pub mod picture;
 pub mod rad;
 pub mod resolve;
 pub mod transform;
+pub mod unknown;
 pub mod vector;

@@ -29,6 +29,11 @@ impl Symmetric {
         self.size
     }
 
+    /// Whether it has that many rows, all of finite numbers.
+    pub fn is_finite_of(&self, size: usize) -> bool {
+        self.size == size && self.cells.len() == size * size && self.cells.iter().all(|x| x.is_finite())
+    }
+
     /// Entry in row `i`, column `j`.
     pub fn at(&self, i: usize, j: usize) -> f64 {
         self.cells[i * self.size + j]

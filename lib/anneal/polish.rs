@@ -103,6 +103,14 @@ impl Polish {
         self.fit.as_ref().map(|fit| fit.minimum.clone())
     }
 
+    /// Whether its parts are those of a search in that many variables.
+    pub fn is_consistent(&self, variables: usize) -> bool {
+        let vector = |x: &[f64]| x.len() == variables && x.iter().all(|x| x.is_finite());
+        vector(&self.center)
+            && self.metric.is_finite_of(variables)
+            && self.fit.as_ref().is_none_or(|fit| vector(&fit.minimum) && vector(&fit.errors) && fit.hessian.is_finite_of(variables))
+    }
+
     /// The next point to measure, in the unit cube; `None` when the region has become a point.
     pub fn next(&mut self, seen: &[Seen], random: &mut Random) -> Option<Vec<f64>> {
         let variables = self.center.len();

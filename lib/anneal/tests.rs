@@ -146,6 +146,7 @@ fn a_search_taken_up_again_after_any_evaluation_goes_on_to_the_same_bytes() {
         cut = serde_json::from_str(&text).unwrap();
         assert_eq!(serde_json::to_string(&cut).unwrap(), text);
         assert_eq!(cut.propose().unwrap(), values);
+        assert!(cut.is_consistent());
         let value = noisy(values, whole.told());
         whole.tell(value);
         cut.tell(value);
@@ -260,6 +261,7 @@ fn impossible_values_and_small_budgets_do_no_harm() {
     assert_eq!(nowhere.best().unwrap().chi2, f64::MAX);
     let flat = search(box_of(&[0.5; COUNT]), options(1, 100), |_, _| 1.0);
     assert_eq!(flat.best().unwrap().chi2, 1.0);
+    assert!(flat.is_flat() && flat.is_consistent());
     serde_json::from_str::<Annealer>(&serde_json::to_string(&flat).unwrap()).unwrap();
 }
 
@@ -272,4 +274,21 @@ fn searches_that_make_no_sense_are_refused() {
     assert!(refused(vec![parameter("red", f64::NAN, 0.0, 1.0)], Options::default()).contains("make no sense"));
     assert!(refused(box_of(&[0.5, 0.5]), Options { groups: vec![vec![0]], ..Options::default() }).contains("in one group"));
     assert!(refused(box_of(&[0.5]), Options { stages: vec![1.0, 0.0], ..Options::default() }).contains("part of the walk"));
+}
+
+#[test]
+fn a_damaged_search_is_recognised() {
+    let whole = search(box_of(&[0.5; COUNT]), options(1, 60), |x, _| valley(x, &somewhere(1)));
+    assert!(whole.is_consistent());
+    let text = serde_json::to_string(&whole).unwrap();
+    for (part, other) in [
+        ("\"now\":", "\"now\":9"),
+        ("\"told\":", "\"told\":1"),
+        ("\"times\":1", "\"times\":0"),
+        ("\"metric\":{\"size\":", "\"metric\":{\"size\":1"),
+    ] {
+        assert!(text.contains(part), "{part}");
+        let damaged: Annealer = serde_json::from_str(&text.replacen(part, other, 1)).unwrap();
+        assert!(!damaged.is_consistent(), "{part}");
+    }
 }

@@ -85,6 +85,24 @@ impl Walk {
         Self { begun: chains.len(), chains, turn: 0, temperature: TEMPERATURE.0 * rise, waiting: vec![], carried: vec![] }
     }
 
+    /// Whether its parts are those of a walk with that many parameters and trials.
+    pub fn is_consistent(&self, parameters: usize, trials: usize) -> bool {
+        let chain = |chain: &Chain| {
+            let sizes = chain.sizes.len() == parameters && chain.sizes.iter().all(|size| *size > 0.0 && *size <= 1.0);
+            chain.now < trials && chain.best < trials && sizes
+        };
+        let known = |trial: &usize| *trial < trials;
+        !self.chains.is_empty()
+            && self.chains.iter().all(chain)
+            && self.waiting.iter().all(known)
+            && self.carried.iter().all(|(old, new)| known(old) && known(new))
+    }
+
+    /// Whether the step is one of this walk's.
+    pub fn has(&self, step: &Step, parameters: usize) -> bool {
+        step.chain < self.chains.len() && step.moves.len() == parameters
+    }
+
     /// Ends the worst chains, so that one is left when the walk is done to a good part.
     pub fn limit(&mut self, progress: f64, trials: &[Trial]) {
         let left = ((self.begun as f64 * (1.0 - progress / LAST)).ceil() as usize).max(1);

@@ -146,6 +146,9 @@ impl Output {
 static UNFINISHED: LazyLock<Mutex<Vec<PathBuf>>> = LazyLock::new(|| {
     // Without a handler an interrupted program leaves a hidden file behind; that is no reason not to run.
     let _ = ctrlc::set_handler(|| {
+        if WAITED_FOR.load(Ordering::Relaxed) && !INTERRUPTED.swap(true, Ordering::Relaxed) {
+            return;
+        }
         for path in unfinished().iter() {
             let _ = std::fs::remove_file(path);
         }
@@ -153,6 +156,18 @@ static UNFINISHED: LazyLock<Mutex<Vec<PathBuf>>> = LazyLock::new(|| {
     });
     Mutex::default()
 });
+
+/// Whether the program ends by itself when it is interrupted, and whether it was.
+static WAITED_FOR: AtomicBool = AtomicBool::new(false);
+static INTERRUPTED: AtomicBool = AtomicBool::new(false);
+
+/// Lets the first interrupt (Ctrl-C) only set the flag that is returned: the program looks at it and comes to an end by itself. The second
+/// one ends it at once.
+pub fn interrupts() -> &'static AtomicBool {
+    LazyLock::force(&UNFINISHED);
+    WAITED_FOR.store(true, Ordering::Relaxed);
+    &INTERRUPTED
+}
 
 fn unfinished() -> MutexGuard<'static, Vec<PathBuf>> {
     UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
