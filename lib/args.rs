@@ -12,6 +12,7 @@ use std::path::PathBuf;
 
 pub mod rtrace;
 pub mod imgdiff;
+pub mod anneal;
 pub mod spelling;
 
 /// Options that mean the same to all four programs.

@@ -8,6 +8,7 @@
 //!
 //! Data flows one way. A room uses only rooms that stand above it here.
 
+pub mod anneal;
 pub mod args;
 pub mod cal;
 pub mod cli;
@@ -20,6 +21,7 @@ pub mod rad;
 pub mod metric;
 pub mod resolve;
 pub mod transform;
+pub mod unknown;
 pub mod vector;
 pub mod sampling;
 pub mod bsdf;
@@ -33,10 +35,7 @@ pub mod material;
 pub mod render;
 pub mod scene;
 pub mod world;
-pub mod pattern;
 pub mod import;
-pub mod anneal;
-pub mod unknown;
 pub mod transport;
 pub mod recover;
 pub mod view;

@@ -7,8 +7,6 @@ use crate::expand::{Flat, expand, refuse_commands};
 use crate::rad::Document;
 use crate::resolve::Resolve;
 use crate::view::View;
-use std::sync::OnceLock;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 /// The documents of scene files; `-` is standard input.
 pub fn documents(names: &[String]) -> Result<Vec<Document>> {
@@ -36,20 +34,4 @@ pub fn view(words: &ViewWords) -> Result<View> {
     let mut view = View::default();
     view.apply(&words.words, &|name| file(name))?;
     Ok(view)
-}
-
-/// Whether the user has asked to end with what there is so far (Ctrl-C, or a signal to end). A second time ends at once.
-pub fn interrupted() -> impl Fn() -> bool {
-    static ASKED: AtomicBool = AtomicBool::new(false);
-    static HANDLER: OnceLock<()> = OnceLock::new();
-    HANDLER.get_or_init(|| {
-        // Where signals cannot be heard, they end the program as ever.
-        let _ = ctrlc::set_handler(|| {
-            if ASKED.swap(true, Ordering::Relaxed) {
-                super::stream::remove_unfinished();
-                std::process::exit(130);
-            }
-        });
-    });
-    || ASKED.load(Ordering::Relaxed)
 }

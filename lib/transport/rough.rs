@@ -10,7 +10,6 @@ use super::{LANES, Nodes};
 use crate::integrator::{Scattering, Transport};
 use crate::material::Inside;
 use crate::rules::{Rules, Ward};
-use crate::sampling::Sampler;
 use crate::scene::MaterialId;
 use crate::vector::Vec3;
 use crate::world::Layer;
