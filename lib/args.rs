@@ -68,9 +68,13 @@ pub enum Commands {
 
 /// The words of every view option, in the order they were typed: `-vf cam.vf -vp 0 0 5 -vth`.
 #[derive(clap::Args, Clone, Debug, Default)]
+#[command(
+    after_help = "View options, as for rpict: -vf FILE; -vtv, l, c, h, a or s; -vp X Y Z; -vd X Y Z; -vu X Y Z; -vh N; -vv N; -vo N; -va N; \
+                        -vs N; -vl N. They apply in the order they are given."
+)]
 pub struct ViewWords {
-    /// The view, as for rpict: -vf FILE, -vtv|l|c|h|a|s, -vp X Y Z, -vd X Y Z, -vu X Y Z, -vh N, -vv N, -vs N, -vl N, -vo N, -va N
-    #[arg(id = spelling::VIEW_WORDS, long = spelling::VIEW_WORDS, hide = true, action = ArgAction::Append, value_name = "WORD")]
+    /// For [`crate::view::View::apply`].
+    #[arg(id = spelling::VIEW_WORDS, long = spelling::VIEW_WORDS, hide = true, action = ArgAction::Append)]
     pub words: Vec<String>,
 }
 

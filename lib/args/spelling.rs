@@ -361,7 +361,19 @@ mod tests {
         assert!(
             text("tool --man").contains(r"\-ab") && !text("tool --man").contains(r"\-\-ab") && text("tool --man").contains(r"\-\-error")
         );
+        assert!(text("tool --help").contains("-vp X Y Z") && !text("tool --help").contains("view-words"));
         assert!(text("tool --completions bash").contains("--error"));
         assert_eq!(text("tool --version"), concat!("tool ", env!("CARGO_PKG_VERSION"), "\n"));
+    }
+
+    proptest::proptest! {
+        #![proptest_config(proptest::prelude::ProptestConfig { failure_persistence: None, ..Default::default() })]
+
+        #[test]
+        fn no_words_panic(line in "(-{1,2}(ab|av|u|v[ptf]|f|o|n|seed|man|help|completions|)[-+=01a-z]{0,3}|@|[0-9.]{1,3}|é| ){0,9}") {
+            if let Err(error) = typed(&format!("tool {line}")) {
+                proptest::prop_assert!(!error.message.is_empty() && !error.message.contains('\n'), "{}", error.message);
+            }
+        }
     }
 }
