@@ -343,6 +343,54 @@ fn an_environment_is_looked_up_by_direction() {
     assert!(!Pattern::compile(&primitive("void brightfunc p 2 Dx+Px . 0 0"), &mut sources).unwrap().unwrap().depends_on_direction_only());
 }
 
+/// A brightfunc with the arguments 2 .3 .4 .5 on a glow ring at the origin with normal 0 .6 .8, `echo .1 .2 .7 0 0 -1 | rtrace -h -faa`
+/// (Radiance 6.0a): it is met at z = -.15.
+#[test]
+fn luminaires_seen_from_near() {
+    let files = files();
+    let mut sources = Sources::new(&files);
+    let at = At::surface(-Vec3::Z, Vec3::new(0.0, 0.6, 0.8), Vec3::new(0.1, 0.2, -0.15));
+    let at = At { t: 0.85, ts: 0.85, ..at };
+    for (words, expected) in [
+        ("2 source_corr(7,1) .", 17.5),
+        ("2 source_corr(7,2) .", 116.6667),
+        ("2 source_corr(7,3) .", 220.3704),
+        ("2 source_corr(7,4) .", 198.0595),
+        ("4 source_corr(7,3) . -s 2", 495.8333),
+        ("2 lboxcorr(7) source.cal", 220.3704),
+    ] {
+        let text = format!("void brightfunc p {words} 0 4 2 .3 .4 .5");
+        let found = Pattern::compile(&primitive(&text), &mut sources).unwrap().unwrap().color(&at);
+        near(found, [expected; 3], words);
+    }
+}
+
+proptest::proptest! {
+    #[test]
+    fn no_words_panic(
+        kind in 0..TYPES.len(),
+        words in proptest::collection::vec(proptest::sample::select(WORDS), 0..12),
+        reals in proptest::collection::vec(-3.0..3.0f64, 0..4),
+    ) {
+        let files = files();
+        let mut sources = Sources::new(&files);
+        let mut primitive = primitive("void brightfunc p 0 0 0");
+        primitive.kind = TYPES[kind].to_string();
+        primitive.strings = words.iter().map(|word| word.to_string()).collect();
+        primitive.reals = reals;
+        let _ = Pattern::compile(&primitive, &mut sources).map(|p| p.map(|p| p.color(&at())));
+        let _ = Texture::compile(&primitive, &mut sources).map(|t| t.map(|t| t.perturbation(&at())));
+        let _ = Mixture::compile(&primitive, &mut sources).map(|m| m.map(|m| m.coefficient(&at())));
+    }
+}
+
+const TYPES: [&str; 10] =
+    ["brightfunc", "colorfunc", "texfunc", "mixfunc", "colorpict", "mixpict", "brightdata", "mixdata", "colordata", "texdata"];
+const WORDS: &[&str] = &[
+    "noop", "red", "one", "three", "Px", "Dx*Dy", "1", "1/0", "a.hdr", "d1.dat", "d2.dat", "f.cal", ".", ".", "-t", "1", "-rx", "-s", "-i",
+    "A2", "",
+];
+
 /// Every function file, and every pattern, texture and mixture whose files are there.
 #[test]
 fn the_corpus_compiles() {
