@@ -8,7 +8,9 @@
 //!
 //! Data flows one way. A room uses only rooms that stand above it here.
 
+pub mod accel;
 pub mod color;
 pub mod error;
+pub mod geometry;
 pub mod resolve;
 pub mod vector;
