@@ -1,0 +1,143 @@
+//! The file system and the shell as the library sees them: RAYPATH, the function files that ship with the project, and the
+//! gate for commands.
+
+use super::Console;
+use super::stream::{all, file, plain};
+use crate::args::Commands;
+use crate::error::{Error, Result};
+use crate::resolve::Resolve;
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Where RADIANCE looks when RAYPATH is not set.
+const DEFAULT_RAYPATH: &str = ":/usr/local/lib/ray";
+
+/// Commands that one run may start: scene files can print commands that print commands.
+const MAX_COMMANDS: usize = 1000;
+
+/// Finds and reads files, runs commands if the user allowed it.
+pub struct Disk<'a> {
+    raypath: Vec<PathBuf>,
+    allowed: bool,
+    shipped: fn(&str) -> Option<&'static str>,
+    /// Hears what went wrong with a command whose output is used all the same.
+    console: &'a Console,
+    started: AtomicUsize,
+}
+
+impl<'a> Disk<'a> {
+    /// The file system along `RAYPATH`, and behind it the files of the project itself, by name; commands as typed, else as
+    /// `RAD_COMMANDS` says, else refused.
+    pub fn new(commands: Option<Commands>, shipped: fn(&str) -> Option<&'static str>, console: &'a Console) -> Self {
+        let raypath = std::env::var_os("RAYPATH").unwrap_or_else(|| OsString::from(DEFAULT_RAYPATH));
+        let allowed = match commands {
+            Some(commands) => commands == Commands::Allow,
+            None => std::env::var_os("RAD_COMMANDS").is_some_and(|value| value == "allow"),
+        };
+        Self { raypath: std::env::split_paths(&raypath).collect(), allowed, shipped, console, started: AtomicUsize::new(0) }
+    }
+}
+
+impl Resolve for Disk<'_> {
+    fn scene(&self, path: &str) -> Result<Vec<u8>> {
+        file(path)
+    }
+
+    fn library(&self, name: &str) -> Result<Vec<u8>> {
+        if name.starts_with(['/', '.']) || Path::new(name).is_absolute() {
+            return file(name);
+        }
+        if let Some(rest) = name.strip_prefix('~') {
+            let Some(home) = std::env::var_os("HOME").filter(|_| rest.starts_with('/')) else {
+                return Err(Error::new(format!("{name}: only your own home directory is known by ~; write the whole path")));
+            };
+            return file(Path::new(&home).join(rest.trim_start_matches('/')));
+        }
+        // As in RADIANCE, an empty entry is the current directory, and what cannot be opened in one place is looked for in the next.
+        if let Some(found) =
+            self.raypath.iter().map(|directory| directory.join(name)).find(|path| path.is_file() && std::fs::File::open(path).is_ok())
+        {
+            return file(found);
+        }
+        if let Some(text) = (self.shipped)(name) {
+            return Ok(text.into());
+        }
+        let searched: Vec<_> =
+            self.raypath.iter().map(|p| if p.as_os_str().is_empty() { ".".into() } else { p.display().to_string() }).collect();
+        Err(Error::new(format!(
+            "{name}: not found in {} nor among the files of this program; set RAYPATH to where it is",
+            searched.join(":")
+        )))
+    }
+
+    fn command(&self, command: &str) -> Result<Vec<u8>> {
+        if !self.allowed {
+            return Err(Error::new(format!(
+                "command not run: {command}; if you trust the scene, give --commands allow (or set RAD_COMMANDS=allow)"
+            )));
+        }
+        if self.started.fetch_add(1, Ordering::Relaxed) >= MAX_COMMANDS {
+            return Err(Error::new(format!("command not run: {command}; more than {MAX_COMMANDS} commands (does one print itself?)")));
+        }
+        let failed = |e: std::io::Error| Error::new(format!("command {command}: {}", plain(&e)));
+        let mut child = Command::new("sh").arg("-c").arg(command).stdin(Stdio::null()).stdout(Stdio::piped()).spawn().map_err(failed)?;
+        let output = child.stdout.take().map_or_else(|| Ok(Vec::new()), |stdout| all(stdout, &format!("output of {command}")));
+        // A child that printed too much waits for a reader for ever.
+        if output.is_err() {
+            let _ = child.kill();
+        }
+        let status = child.wait().map_err(failed)?;
+        let output = output?;
+        if !status.success() {
+            self.console.warn(&format!("command {command}: {status}; what it printed is used"));
+        }
+        Ok(output)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn disk<'a>(directories: &[&Path], commands: Commands, console: &'a Console) -> Disk<'a> {
+        let shipped = |name: &str| (name == "own.cal").then_some("own = 1;");
+        let raypath = directories.iter().map(|p| p.to_path_buf()).collect();
+        Disk { raypath, allowed: commands == Commands::Allow, shipped, console, started: AtomicUsize::new(0) }
+    }
+
+    fn silent() -> Console {
+        Console::new("tool", true, false, String::new())
+    }
+
+    #[test]
+    fn library_files_are_searched_in_order_and_the_projects_own_come_last() {
+        let (first, second) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+        let console = silent();
+        let disk = disk(&[first.path(), second.path()], Commands::Deny, &console);
+        assert_eq!(disk.library("own.cal").unwrap(), b"own = 1;");
+        std::fs::write(second.path().join("own.cal"), "second").unwrap();
+        assert_eq!(disk.library("own.cal").unwrap(), b"second");
+        std::fs::create_dir(first.path().join("own.cal")).unwrap();
+        assert_eq!(disk.library("own.cal").unwrap(), b"second", "a directory is not a file");
+        std::fs::remove_dir(first.path().join("own.cal")).unwrap();
+        std::fs::write(first.path().join("own.cal"), "first").unwrap();
+        assert_eq!(disk.library("own.cal").unwrap(), b"first");
+        let absent = disk.library("absent.cal").unwrap_err().to_string();
+        assert!(absent.contains(&first.path().display().to_string()) && absent.contains("RAYPATH"));
+        assert!(disk.library("./own.cal").is_err(), "a name with a dot in front is not searched");
+    }
+
+    #[test]
+    fn commands_run_only_when_allowed() {
+        let refused = disk(&[], Commands::Deny, &silent()).command("echo hello").unwrap_err().to_string();
+        assert!(refused.contains("echo hello") && refused.contains("--commands allow"));
+        let console = silent();
+        let allowed = disk(&[], Commands::Allow, &console);
+        assert_eq!(allowed.command("echo hello; exit 3").unwrap(), b"hello\n");
+        assert_eq!(allowed.command("cat").unwrap(), b"", "a command does not read our standard input");
+        allowed.started.store(MAX_COMMANDS, Ordering::Relaxed);
+        assert!(allowed.command("echo hello").is_err());
+    }
+}

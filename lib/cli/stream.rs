@@ -1,0 +1,211 @@
+//! Files and pipes: inputs read whole, outputs complete or absent.
+
+use super::{Outcome, Stop};
+use crate::error::{Error, Result};
+use std::ffi::OsStr;
+use std::fs::File;
+use std::io::{self, BufWriter, ErrorKind, Read, Write};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{LazyLock, Mutex, MutexGuard, PoisonError};
+use tempfile::NamedTempFile;
+
+/// The largest input that is read, in bytes.
+const INPUT_LIMIT: u64 = 1 << 32;
+
+/// Inputs by name, where `-` is standard input.
+#[derive(Default)]
+pub struct Input {
+    stdin_taken: AtomicBool,
+}
+
+impl Input {
+    /// The name for messages, and all bytes, of the file `name` or of standard input, which can be read only once.
+    pub fn read(&self, name: impl AsRef<OsStr>) -> Result<(String, Vec<u8>)> {
+        let name = name.as_ref();
+        if name != "-" {
+            return Ok((name.to_string_lossy().into_owned(), file(name)?));
+        }
+        if self.stdin_taken.swap(true, Ordering::Relaxed) {
+            return Err(Error::new("standard input can be read only once; write - for one input only"));
+        }
+        Ok(("<stdin>".into(), all(io::stdin().lock(), "<stdin>")?))
+    }
+}
+
+/// All bytes of a file.
+pub fn file(name: impl AsRef<Path>) -> Result<Vec<u8>> {
+    let name = name.as_ref();
+    let shown = name.display().to_string();
+    all(File::open(name).map_err(|e| Error::new(format!("{shown}: {}", plain(&e))))?, &shown)
+}
+
+/// All bytes of a stream, up to the limit.
+pub fn all(stream: impl Read, name: &str) -> Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    stream.take(INPUT_LIMIT + 1).read_to_end(&mut bytes).map_err(|e| Error::new(format!("{name}: {}", plain(&e))))?;
+    if bytes.len() as u64 > INPUT_LIMIT {
+        return Err(Error::new(format!("{name}: longer than {} GiB, the most that is read", INPUT_LIMIT >> 30)));
+    }
+    Ok(bytes)
+}
+
+/// What the operating system said, in its words.
+pub fn plain(error: &io::Error) -> String {
+    let text = error.to_string();
+    let text = text.split(" (os error").next().unwrap_or_default();
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_lowercase().chain(letters).collect())
+}
+
+/// An output: standard output, a device or pipe, or a file that is written beside its name and renamed when finished.
+pub struct Output {
+    name: String,
+    to: To,
+}
+
+enum To {
+    Stdout(BufWriter<io::Stdout>),
+    Device(BufWriter<File>),
+    File(BufWriter<NamedTempFile>, PathBuf),
+}
+
+impl Output {
+    /// An output to the file, or to standard output if there is none or its name is `-`.
+    pub fn create(path: Option<&Path>) -> Outcome<Self> {
+        let Some(path) = path.filter(|path| *path != Path::new("-")) else {
+            return Ok(Self { name: "standard output".into(), to: To::Stdout(BufWriter::with_capacity(1 << 16, io::stdout())) });
+        };
+        let name = path.display().to_string();
+        let failed = |e: io::Error| Error::new(format!("{name}: {}", plain(&e)));
+        // A link keeps pointing to the file, which is replaced where it stands.
+        let path = std::fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
+        let existing = std::fs::metadata(&path).ok();
+        if existing.as_ref().is_some_and(|m| m.is_dir()) {
+            return Err(Error::new(format!("{name}: is a directory")).into());
+        }
+        if existing.as_ref().is_some_and(|m| !m.is_file()) {
+            let device = File::options().write(true).open(&path).map_err(failed)?;
+            return Ok(Self { name, to: To::Device(BufWriter::new(device)) });
+        }
+        let directory = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(".inverad-");
+        #[cfg(unix)]
+        let permissions = existing.map_or_else(|| std::os::unix::fs::PermissionsExt::from_mode(0o666), |m| m.permissions());
+        #[cfg(unix)]
+        builder.permissions(permissions);
+        let file = builder.tempfile_in(directory).map_err(failed)?;
+        unfinished().push(file.path().to_path_buf());
+        Ok(Self { name, to: To::File(BufWriter::with_capacity(1 << 16, file), path) })
+    }
+
+    /// Writes these bytes.
+    pub fn write(&mut self, bytes: &[u8]) -> Outcome<()> {
+        let written = self.writer().write_all(bytes);
+        self.outcome(written)
+    }
+
+    /// Hands on what was written so far, for a reader that waits for it.
+    pub fn flush(&mut self) -> Outcome<()> {
+        let flushed = self.writer().flush();
+        self.outcome(flushed)
+    }
+
+    /// Completes the output: only now does a file appear under its name.
+    pub fn finish(mut self) -> Outcome<()> {
+        self.flush()?;
+        let To::File(writer, path) = self.to else { return Ok(()) };
+        let failed = |e: io::Error| Error::new(format!("{}: {}", self.name, plain(&e)));
+        let file = writer.into_inner().map_err(|e| failed(e.into_error()))?;
+        file.as_file().sync_all().map_err(failed)?;
+        let temporary = file.path().to_path_buf();
+        file.persist(&path).map_err(|e| failed(e.error))?;
+        unfinished().retain(|path| *path != temporary);
+        Ok(())
+    }
+
+    fn writer(&mut self) -> &mut dyn Write {
+        match &mut self.to {
+            To::Stdout(writer) => writer,
+            To::Device(writer) => writer,
+            To::File(writer, _) => writer,
+        }
+    }
+
+    /// A closed pipe ends the program quietly, any other failure with a message.
+    fn outcome(&self, result: io::Result<()>) -> Outcome<()> {
+        result.map_err(|e| match e.kind() {
+            ErrorKind::BrokenPipe => Stop::Closed,
+            _ => Error::new(format!("{}: {}", self.name, plain(&e))).into(),
+        })
+    }
+}
+
+/// Files being written, to be removed when the program is interrupted.
+static UNFINISHED: LazyLock<Mutex<Vec<PathBuf>>> = LazyLock::new(|| {
+    // Without a handler an interrupted program leaves a hidden file behind; that is no reason not to run.
+    let _ = ctrlc::set_handler(|| {
+        for path in unfinished().iter() {
+            let _ = std::fs::remove_file(path);
+        }
+        std::process::exit(130);
+    });
+    Mutex::default()
+});
+
+fn unfinished() -> MutexGuard<'static, Vec<PathBuf>> {
+    UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_appears_only_when_finished_and_keeps_its_permissions() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("out");
+        std::fs::write(&path, "old").unwrap();
+        #[cfg(unix)]
+        std::fs::set_permissions(&path, std::os::unix::fs::PermissionsExt::from_mode(0o640)).unwrap();
+        let mut given_up = Output::create(Some(&path)).unwrap();
+        given_up.write(b"part").unwrap();
+        given_up.flush().unwrap();
+        assert_eq!(std::fs::read(&path).unwrap(), b"old");
+        drop(given_up);
+        let mut output = Output::create(Some(&path)).unwrap();
+        output.write(b"new").unwrap();
+        output.finish().unwrap();
+        assert_eq!(std::fs::read(&path).unwrap(), b"new");
+        assert_eq!(std::fs::read_dir(&directory).unwrap().count(), 1, "nothing is left beside it");
+        #[cfg(unix)]
+        assert_eq!(std::os::unix::fs::PermissionsExt::mode(&std::fs::metadata(&path).unwrap().permissions()) & 0o777, 0o640);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_keeps_pointing_to_the_file_and_a_full_device_is_an_error() {
+        let directory = tempfile::tempdir().unwrap();
+        let (path, link) = (directory.path().join("file"), directory.path().join("link"));
+        std::fs::write(&path, "old").unwrap();
+        std::os::unix::fs::symlink(&path, &link).unwrap();
+        let mut output = Output::create(Some(&link)).unwrap();
+        output.write(b"new").unwrap();
+        output.finish().unwrap();
+        assert!(link.is_symlink() && std::fs::read(&path).unwrap() == b"new");
+        if Path::new("/dev/full").exists() {
+            let mut output = Output::create(Some(Path::new("/dev/full"))).unwrap();
+            output.write(b"text").unwrap();
+            assert!(matches!(output.finish(), Err(Stop::Failed(e)) if e.message == "/dev/full: no space left on device"));
+        }
+    }
+
+    #[test]
+    fn errors_name_the_file_in_plain_words() {
+        assert_eq!(Input::default().read("/no/such").unwrap_err().message, "/no/such: no such file or directory");
+        assert!(
+            matches!(Output::create(Some(Path::new("/no/such"))), Err(Stop::Failed(e)) if e.message == "/no/such: no such file or directory")
+        );
+    }
+}

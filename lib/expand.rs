@@ -1,0 +1,365 @@
+//! Scene descriptions made flat: inline commands are carried out, transforms applied.
+//!
+//! `xform`, `cat`, `echo` and the generators run inside the process, with pipes between them. Any other command goes to
+//! [`Resolve::command`], which decides. As in RADIANCE a command that fails (a missing file, a wrong option) is a warning,
+//! and what it printed stays; text that it printed and that cannot be read is an error.
+
+mod genbox;
+mod printf;
+mod shell;
+mod xform;
+
+use crate::error::{Error, Result, Source, Span};
+use crate::rad::{Document, Primitive, Statement, word};
+use crate::resolve::Resolve;
+use shell::{Stage, pipeline, quoted};
+use std::collections::HashMap;
+use std::fmt;
+use std::sync::Arc;
+use xform::Xform;
+
+/// Files and commands may stand this deep within each other.
+const DEPTH_LIMIT: usize = 64;
+/// Most commands that one scene may run.
+const COMMAND_LIMIT: usize = 1_000_000;
+/// Most primitives that commands may make, copies at every level of nesting counted.
+const PRIMITIVE_LIMIT: usize = 32_000_000;
+
+/// A description without commands.
+#[derive(Debug, Default)]
+pub struct Flat {
+    /// The primitives, in the order of the files. Names are not resolved.
+    pub primitives: Vec<Primitive>,
+    /// The annotations, moved by the transforms that they stood under.
+    pub annotations: Vec<Annotation>,
+    /// What went wrong without making the description useless: `file:line:column: message`.
+    pub warnings: Vec<String>,
+}
+
+/// A comment line `#@word arguments…`, such as `#@probe X Y Z GLOW_ID`.
+#[derive(Clone, Debug)]
+pub struct Annotation {
+    /// What it says.
+    pub word: String,
+    /// The words after it.
+    pub arguments: Vec<String>,
+    /// The comment.
+    pub span: Span,
+    /// The index of the primitive that it stands before.
+    pub before: usize,
+}
+
+/// Carries out all commands of `documents`, which follow each other.
+pub fn expand(documents: Vec<Document>, resolve: &dyn Resolve) -> Result<Flat> {
+    let mut expander = Expander { resolve, warnings: Vec::new(), commands: 0, made: 0, within: Vec::new(), files: HashMap::new() };
+    let mut flat = Flat::default();
+    for document in documents {
+        expander.within.push(plain_path(&document.source.name));
+        for item in expander.flatten(items(document), "")? {
+            match item {
+                Item::Primitive(p) => flat.primitives.push(p),
+                Item::Annotation(a) => flat.annotations.push(Annotation { before: flat.primitives.len(), ..a }),
+                Item::Command(_) => {}
+            }
+        }
+        expander.within.pop();
+    }
+    flat.warnings = expander.warnings;
+    Ok(flat)
+}
+
+/// An error at the first command of `documents`, for those who want none run.
+pub fn refuse_commands(documents: &[Document]) -> Result<()> {
+    let command = documents.iter().flat_map(|d| &d.statements).find_map(|s| if let Statement::Command(c) = s { Some(c) } else { None });
+    command.map_or(Ok(()), |span| Err(span.error("commands are denied; expand the file beforehand, or allow them with `--commands allow`")))
+}
+
+impl fmt::Display for Flat {
+    /// One flat, canonical scene description.
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let mut annotations = self.annotations.iter().peekable();
+        for (i, primitive) in self.primitives.iter().enumerate() {
+            while let Some(annotation) = annotations.next_if(|a| a.before <= i) {
+                annotation.fmt(f)?;
+            }
+            writeln!(f, "{primitive}")?;
+        }
+        annotations.try_for_each(|a| a.fmt(f))
+    }
+}
+
+impl fmt::Display for Annotation {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(f, "#@{}", self.word)?;
+        self.arguments.iter().try_for_each(|a| write!(f, " {}", crate::rad::Quoted(a)))?;
+        writeln!(f)
+    }
+}
+
+/// What a stretch of a description holds while commands remain in it.
+#[derive(Clone)]
+enum Item {
+    Primitive(Primitive),
+    Annotation(Annotation),
+    Command(Command),
+}
+
+/// A command still to be run, without its `!`.
+#[derive(Clone)]
+struct Command {
+    text: String,
+    span: Span,
+}
+
+/// Why a command stopped.
+enum Stop {
+    /// It failed; what it printed stays.
+    Failed(Error),
+    /// The description cannot be used.
+    Fatal(Error),
+}
+
+type Step<T> = std::result::Result<T, Stop>;
+
+fn fatal(error: Error) -> Stop {
+    Stop::Fatal(error)
+}
+
+struct Expander<'a> {
+    resolve: &'a dyn Resolve,
+    warnings: Vec<String>,
+    commands: usize,
+    made: usize,
+    /// The files that are being read, outermost first.
+    within: Vec<String>,
+    /// Files that `xform` has read, their commands carried out.
+    files: HashMap<String, Arc<Vec<Item>>>,
+}
+
+impl Expander<'_> {
+    /// The items with all commands carried out in the directory `folder` (empty, or with a slash at its end).
+    fn flatten(&mut self, items: Vec<Item>, folder: &str) -> Result<Vec<Item>> {
+        if !items.iter().any(|item| matches!(item, Item::Command(_))) {
+            return Ok(items);
+        }
+        let mut flat = Vec::with_capacity(items.len());
+        for item in items {
+            match item {
+                Item::Command(command) => flat.append(&mut self.run(&command, folder)?),
+                item => flat.push(item),
+            }
+        }
+        Ok(flat)
+    }
+
+    /// What `command` prints, all commands in it carried out too.
+    fn run(&mut self, command: &Command, folder: &str) -> Result<Vec<Item>> {
+        let Command { text, span } = command;
+        self.commands += 1;
+        if self.within.len() > DEPTH_LIMIT {
+            return Err(span.error(format!("commands within commands, more than {DEPTH_LIMIT} deep; does a file include itself?")));
+        }
+        if self.commands > COMMAND_LIMIT {
+            return Err(span.error(format!("more than {COMMAND_LIMIT} commands; expand the scene in parts")));
+        }
+        let stages = pipeline(text).filter(|stages| stages.iter().all(|s| is_built_in(&s.words[0])));
+        self.within.push(format!("!{text}"));
+        let items = match stages {
+            Some(stages) => self.pipe(stages, command, folder)?,
+            None => {
+                let there = if folder.is_empty() { text.clone() } else { format!("cd {} && {text}", quoted(folder)) };
+                let bytes = self.resolve.command(&there).map_err(|e| span.error(e.message))?;
+                items(Document::read(&format!("!{text}"), bytes)?)
+            }
+        };
+        if !items.iter().any(|i| matches!(i, Item::Primitive(_) | Item::Command(_))) {
+            self.warn(span, "the command printed no primitive");
+        }
+        let flat = self.flatten(items, folder);
+        self.within.pop();
+        flat
+    }
+
+    fn pipe(&mut self, stages: Vec<Stage>, command: &Command, folder: &str) -> Result<Vec<Item>> {
+        let mut items = Vec::new();
+        for stage in stages {
+            let mut out = Vec::new();
+            match self.stage(stage, items, folder, &mut out) {
+                Ok(()) => {}
+                Err(Stop::Failed(error)) => self.warn(&command.span, &error.message),
+                Err(Stop::Fatal(error)) => return Err(if error.place.is_some() { error } else { command.span.error(error.message) }),
+            }
+            items = out;
+        }
+        Ok(items)
+    }
+
+    /// Runs one program of a pipeline on what the one before printed; appends to `out` what it prints.
+    fn stage(&mut self, stage: Stage, input: Vec<Item>, folder: &str, out: &mut Vec<Item>) -> Step<()> {
+        let input = match &stage.input {
+            Some(name) => self.scene(name, folder)?,
+            None => input,
+        };
+        let (program, arguments) = stage.words.split_first().ok_or_else(|| fatal(Error::new("an empty command")))?;
+        let printed = match program.as_str() {
+            "xform" => return self.xform(arguments, input, folder, out),
+            "cat" => return self.cat(arguments, input, folder, out),
+            "echo" => Ok(echo(arguments)),
+            _ => genbox::genbox(arguments),
+        };
+        let text = printed.map_err(Stop::Failed)?;
+        let source = Source::new(format!("!{}", stage.words.join(" ")), text);
+        out.append(&mut items(Document::parse(source).map_err(fatal)?));
+        Ok(())
+    }
+
+    fn cat(&mut self, names: &[String], mut input: Vec<Item>, folder: &str, out: &mut Vec<Item>) -> Step<()> {
+        if names.is_empty() {
+            out.append(&mut input);
+        }
+        for name in names {
+            if name == "-" {
+                out.append(&mut input);
+            } else {
+                let mut items = self.scene(name, folder)?;
+                out.append(&mut items);
+            }
+        }
+        Ok(())
+    }
+
+    /// The items of a scene file, its commands not carried out.
+    fn scene(&mut self, name: &str, folder: &str) -> Step<Vec<Item>> {
+        let path = joined(folder, name);
+        self.enter(&path).map_err(fatal)?;
+        let bytes = self.resolve.scene(&path).map_err(Stop::Failed)?;
+        Document::read(&path, bytes).map(items).map_err(fatal)
+    }
+
+    fn xform(&mut self, arguments: &[String], input: Vec<Item>, folder: &str, out: &mut Vec<Item>) -> Step<()> {
+        let argument_file = |name: &str| self.resolve.scene(&joined(folder, name)).map(crate::rad::decode);
+        let xform = Xform::parse(arguments, argument_file).map_err(Stop::Failed)?;
+        // Read all files before the first copy; a missing one ends each copy where it stands.
+        let (mut inputs, mut missing) = (Vec::new(), None);
+        if xform.files.is_empty() {
+            inputs.push(Arc::new(if xform.expand { self.flatten(input, folder).map_err(fatal)? } else { input }));
+        }
+        for name in &xform.files {
+            match self.operand(name, folder, xform.expand) {
+                Ok(items) => inputs.push(items),
+                Err(Stop::Fatal(error)) => return Err(Stop::Fatal(error)),
+                Err(Stop::Failed(error)) => {
+                    missing = Some(error);
+                    break;
+                }
+            }
+        }
+        let size: usize = inputs.iter().map(|items| items.len()).sum();
+        self.made = self.made.saturating_add(size.saturating_mul(xform.copies.len()));
+        if self.made > PRIMITIVE_LIMIT {
+            return Err(fatal(Error::new(format!("commands make more than {PRIMITIVE_LIMIT} primitives; make smaller arrays"))));
+        }
+        out.reserve(size * xform.copies.len());
+        for copy in &xform.copies {
+            out.extend(inputs.iter().flat_map(|items| items.iter()).map(|item| copy.of(item)));
+        }
+        missing.map_or(Ok(()), |error| Err(Stop::Failed(error)))
+    }
+
+    /// The items of a file that `xform` names. Commands in it are carried out in that file's directory.
+    fn operand(&mut self, name: &str, folder: &str, expand: bool) -> Step<Arc<Vec<Item>>> {
+        let mut path = joined(folder, name);
+        if expand && let Some(items) = self.files.get(&path) {
+            return Ok(items.clone());
+        }
+        self.enter(&path).map_err(fatal)?;
+        let mut found = self.resolve.library(&path);
+        if found.is_err() && path != name && !name.starts_with('.') {
+            path = name.to_string();
+            found = self.resolve.library(&path);
+        }
+        let items = items(Document::read(&path, found.map_err(Stop::Failed)?).map_err(fatal)?);
+        if !expand {
+            return Ok(Arc::new(items));
+        }
+        self.within.push(plain_path(&path));
+        let flat = Arc::new(self.flatten(items, &path[..path.rfind('/').map_or(0, |i| i + 1)]).map_err(fatal)?);
+        self.within.pop();
+        self.files.insert(joined(folder, name), flat.clone());
+        Ok(flat)
+    }
+
+    /// An error if the file is being read already.
+    fn enter(&self, path: &str) -> Result<()> {
+        let path = plain_path(path);
+        if !self.within.contains(&path) {
+            return Ok(());
+        }
+        let through: Vec<&str> = self.within.iter().skip_while(|w| **w != path).skip(1).map(String::as_str).collect();
+        Err(Error::new(format!("{path} includes itself through `{}`; break the circle", through.join("`, `"))))
+    }
+
+    fn warn(&mut self, span: &Span, message: &str) {
+        let (line, column) = span.line_column();
+        self.warnings.push(format!("{}:{line}:{column}: {message}", span.source.name));
+    }
+}
+
+fn is_built_in(program: &str) -> bool {
+    matches!(program, "xform" | "cat" | "echo" | "genbox")
+}
+
+/// What the shell's `echo` prints; like dash's it knows `\n` and `\t`.
+fn echo(words: &[String]) -> String {
+    let words = if words.first().is_some_and(|w| w == "-n") { &words[1..] } else { words };
+    words.join(" ").replace("\\n", "\n").replace("\\t", "\t") + "\n"
+}
+
+fn items(document: Document) -> Vec<Item> {
+    let item = |statement| match statement {
+        Statement::Primitive(p) => Some(Item::Primitive(p)),
+        Statement::Command(span) => {
+            let text = span.source.text[span.start + 1..span.end].replace("\r\n", "\n");
+            Some(Item::Command(Command { text: text.trim().to_string(), span }))
+        }
+        Statement::Comment(span) => annotation(span).map(Item::Annotation),
+    };
+    document.statements.into_iter().filter_map(item).collect()
+}
+
+/// The annotation that a comment is, if it is one.
+fn annotation(span: Span) -> Option<Annotation> {
+    let text = span.source.text[span.start..span.end].strip_prefix("#@")?;
+    let mut words = Vec::new();
+    let mut rest = text;
+    while let Ok((r, word)) = word(rest) {
+        words.push(word.text.into_owned());
+        rest = r;
+    }
+    let mut words = words.into_iter();
+    (!text.starts_with(char::is_whitespace)).then_some(())?;
+    Some(Annotation { word: words.next()?, arguments: words.collect(), span, before: 0 })
+}
+
+/// The path of `name` as seen from `folder`.
+fn joined(folder: &str, name: &str) -> String {
+    if name.starts_with(['/', '~']) { name.into() } else { format!("{folder}{name}") }
+}
+
+/// The path without `./` and `folder/../`.
+fn plain_path(path: &str) -> String {
+    let mut parts: Vec<&str> = Vec::new();
+    for part in path.split('/') {
+        match part {
+            "." => {}
+            ".." if parts.last().is_some_and(|p| !matches!(*p, "" | "..")) => {
+                parts.pop();
+            }
+            part => parts.push(part),
+        }
+    }
+    parts.join("/")
+}
+
+#[cfg(test)]
+mod tests;
