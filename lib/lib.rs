@@ -9,15 +9,13 @@
 //! Data flows one way. A room uses only rooms that stand above it here.
 
 pub mod accel;
-pub mod color;
-pub mod error;
-pub mod geometry;
 pub mod args;
 pub mod cal;
 pub mod cli;
 pub mod color;
 pub mod error;
 pub mod expand;
+pub mod geometry;
 pub mod picture;
 pub mod rad;
 pub mod resolve;

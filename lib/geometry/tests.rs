@@ -84,6 +84,17 @@ fn degenerate_surfaces_are_ignored_with_a_reason_and_malformed_ones_refused() {
 }
 
 #[test]
+fn a_primitive_is_read_with_places_for_its_warnings_and_errors() {
+    let source = crate::error::Source::new("a.rad", "void sphere ball\n0\n0\n4 0 0 0 -1\nvoid ring disk\n0\n0\n3 1 2 3\n");
+    let document = crate::rad::Document::parse(source).unwrap();
+    let primitives: Vec<_> = document.primitives().collect();
+    let mut warnings = Vec::new();
+    assert!(matches!(Shape::read(primitives[0], &mut warnings), Ok(Some(Shape::Sphere(Sphere { inward: true, .. })))));
+    assert!(warnings[0].to_string().starts_with("a.rad:1:6: "));
+    assert!(Shape::of(primitives[1]).unwrap_err().to_string().starts_with("a.rad:5:6: error: ring needs 8 real arguments, not 3"));
+}
+
+#[test]
 fn negative_radii_turn_surfaces_inside_out() {
     for (kind, reals, twin) in [
         ("sphere", vec![0., 0., 0., -1.], "bubble"),
