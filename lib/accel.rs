@@ -124,6 +124,8 @@ struct Nearest {
     tie: bool,
     /// Distances that differ by less are one place.
     tolerance: f32,
+    /// The hit, where it is known already.
+    hit: Option<Hit>,
 }
 
 impl Nearest {
@@ -148,15 +150,18 @@ impl Accel {
     pub fn nearest(&self, ray: &Ray, t_min: f64, t_max: f64) -> Option<Hit> {
         let probe = Probe::new(&self.space, ray, t_min, t_max)?;
         let tolerance = (self.tolerance * self.space.scale) as f32;
-        let mut best = Nearest { t: f32::INFINITY, blur: 0.0, primitive: u32::MAX, tie: false, tolerance };
+        let mut best = Nearest { t: f32::INFINITY, blur: 0.0, primitive: u32::MAX, tie: false, tolerance, hit: None };
         self.tree.walk::<true>(&probe, probe.limit, |leaf, mut limit| {
             if leaf & SINGLE != 0 {
                 let primitive = leaf & (SINGLE - 1);
                 let far = t_max.min(probe.distance(limit));
-                if let Some(t) = self.body(primitive).distance(ray, t_min, far) {
-                    let t = probe.local(t);
-                    if t <= limit {
-                        limit = best.take(t, f32::EPSILON * (1.0 + t), primitive);
+                let (surface, body) = self.body(primitive);
+                let inner = body.instance().and_then(|instance| instance.nearest(ray, t_min, far, surface));
+                let t = inner.as_ref().map(|hit| hit.t).or_else(|| body.shape()?.intersect(ray, t_min, far));
+                if let Some(t) = t.map(|t| probe.local(t)).filter(|&t| t <= limit) {
+                    limit = best.take(t, f32::EPSILON * (1.0 + t), primitive);
+                    if best.primitive == primitive {
+                        best.hit = inner;
                     }
                 }
                 return limit;
@@ -181,8 +186,11 @@ impl Accel {
             return self.settle(ray, t_min, t_max.min(probe.distance(best.t + 2.0 * best.blur)));
         }
         let (surface, triangle) = self.primitives[best.primitive as usize];
-        let (low, high) = (probe.distance(best.t - best.blur).max(t_min), probe.distance(best.t + best.blur).min(t_max));
-        self.surfaces[surface as usize].hit(ray, probe.distance(best.t), low, high, surface, triangle)
+        match &self.surfaces[surface as usize] {
+            Body::Shape(shape) => body::shape_hit(shape, ray, t_min, t_max, surface),
+            Body::Mesh(placed) => Some(placed.hit(ray, probe.distance(best.t), surface, triangle)),
+            Body::Instance(_) => best.hit,
+        }
     }
 
     /// Whether any surface is met at a distance between `t_min` and `t_max` (both excluded).
@@ -191,7 +199,7 @@ impl Accel {
         let mut found = false;
         self.tree.walk::<false>(&probe, probe.limit, |leaf, limit| {
             found = if leaf & SINGLE != 0 {
-                self.body(leaf & (SINGLE - 1)).occludes(ray, t_min, t_max)
+                self.body(leaf & (SINGLE - 1)).1.occludes(ray, t_min, t_max)
             } else {
                 self.tree.blocks_of(leaf).iter().any(|block| {
                     let lanes = probe.test(block, limit);
@@ -211,20 +219,18 @@ impl Accel {
         let Some(probe) = Probe::new(&self.space, ray, t_min, t_max) else { return };
         self.tree.walk::<false>(&probe, probe.limit, |leaf, limit| {
             if leaf & SINGLE != 0 {
-                let (surface, _) = self.primitives[(leaf & (SINGLE - 1)) as usize];
-                self.surfaces[surface as usize].each(ray, t_min, t_max, surface, &self.ranks[surface as usize], visit);
+                let (surface, body) = self.body(leaf & (SINGLE - 1));
+                body.each(ray, t_min, t_max, surface, &self.ranks[surface as usize], visit);
                 return limit;
             }
             for block in self.tree.blocks_of(leaf) {
                 let lanes = probe.test(block, limit);
                 for lane in (0..8).filter(|lane| lanes.mask >> lane & 1 == 1) {
                     let (surface, triangle) = self.primitives[block.primitives[lane] as usize];
-                    let body = &self.surfaces[surface as usize];
-                    if let Some(hit) = body.hit(ray, probe.distance(lanes.t[lane]), t_min, t_max, surface, triangle)
-                        && hit.t > t_min
-                        && hit.t < t_max
-                    {
-                        visit(hit, body.rank(&self.ranks[surface as usize], triangle));
+                    let Body::Mesh(placed) = &self.surfaces[surface as usize] else { continue };
+                    let hit = placed.hit(ray, probe.distance(lanes.t[lane]), surface, triangle);
+                    if hit.t > t_min && hit.t < t_max {
+                        visit(hit, placed.rank(&self.ranks[surface as usize], triangle));
                     }
                 }
             }
@@ -257,15 +263,19 @@ impl Accel {
         best.map(|(hit, _)| hit)
     }
 
-    fn body(&self, primitive: u32) -> &Body {
-        &self.surfaces[self.primitives[primitive as usize].0 as usize]
+    /// The surface a primitive is of or on.
+    fn body(&self, primitive: u32) -> (u32, &Body) {
+        let (surface, _) = self.primitives[primitive as usize];
+        (surface, &self.surfaces[surface as usize])
     }
 
     /// Whether a candidate's exact distance is in the range.
     #[inline(never)]
     fn within(&self, primitive: u32, ray: &Ray, t: f64, t_min: f64, t_max: f64) -> bool {
         let (surface, triangle) = self.primitives[primitive as usize];
-        self.surfaces[surface as usize].hit(ray, t, t_min, t_max, surface, triangle).is_some_and(|hit| hit.t > t_min && hit.t < t_max)
+        let Body::Mesh(placed) = &self.surfaces[surface as usize] else { return false };
+        let hit = placed.hit(ray, t, surface, triangle);
+        hit.t > t_min && hit.t < t_max
     }
 }
 

@@ -9,6 +9,7 @@
 //! Data flows one way. A room uses only rooms that stand above it here.
 
 pub mod anneal;
+pub mod accel;
 pub mod args;
 pub mod cal;
 pub mod cli;
@@ -16,6 +17,7 @@ pub mod color;
 pub mod error;
 pub mod expand;
 pub mod pattern;
+pub mod geometry;
 pub mod picture;
 pub mod rad;
 pub mod metric;

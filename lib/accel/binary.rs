@@ -1,8 +1,8 @@
 //! The binary tree that the eight-wide one is made of: built by `obvhs`, laid out so that every subtree is one stretch.
 
+use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::builder::build_bvh2;
-use obvhs::BvhBuildParams;
 use rayon::prelude::*;
 use std::collections::HashMap;
 use std::time::Duration;

@@ -36,59 +36,46 @@ pub(super) struct Instance {
 }
 
 impl Body {
-    /// The exact hit on a shape or instance, the first between the distances, or on a triangle known to be hit at about the distance `near`.
-    pub fn hit(&self, ray: &Ray, near: f64, t_min: f64, t_max: f64, surface: u32, triangle: u32) -> Option<Hit> {
-        match self {
-            Self::Shape(shape) => {
-                let t = shape.intersect(ray, t_min, t_max)?;
-                let point = ray.at(t);
-                Some(Hit { t, point, normal: shape.normal_at(point), surface, path: Path::default(), triangle: 0, barycentric: [0.0; 2] })
-            }
-            Self::Mesh(placed) => Some(placed.hit(ray, near, surface, triangle)),
-            Self::Instance(instance) => {
-                let hit = instance.accel.nearest(&instance.inward(ray), t_min / instance.scale, t_max / instance.scale)?;
-                Some(instance.outward(hit, surface))
-            }
-        }
+    /// The shape, if it is one.
+    pub fn shape(&self) -> Option<&Shape> {
+        if let Self::Shape(shape) = self { Some(shape) } else { None }
     }
 
-    /// The distance of the first hit of a shape or instance between the distances.
-    pub fn distance(&self, ray: &Ray, t_min: f64, t_max: f64) -> Option<f64> {
-        match self {
-            Self::Shape(shape) => shape.intersect(ray, t_min, t_max),
-            _ => self.hit(ray, t_min, t_min, t_max, 0, 0).map(|hit| hit.t),
-        }
+    /// The instance, if it is one.
+    pub fn instance(&self) -> Option<&Instance> {
+        if let Self::Instance(instance) = self { Some(instance) } else { None }
     }
 
     /// Whether a shape or instance is hit between the distances.
     pub fn occludes(&self, ray: &Ray, t_min: f64, t_max: f64) -> bool {
         match self {
-            Self::Instance(instance) => instance.accel.occluded(&instance.inward(ray), t_min / instance.scale, t_max / instance.scale),
-            _ => self.distance(ray, t_min, t_max).is_some(),
+            Self::Shape(shape) => shape.intersect(ray, t_min, t_max).is_some(),
+            Self::Instance(instance) => instance.occludes(ray, t_min, t_max),
+            Self::Mesh(_) => false,
         }
     }
 
     /// Every hit on a shape or instance between the distances, with its rank; `ranks` are this surface's.
     pub fn each(&self, ray: &Ray, t_min: f64, t_max: f64, surface: u32, ranks: &[Rank], visit: &mut dyn FnMut(Hit, Rank)) {
-        if let Self::Instance(instance) = self {
-            let (low, high) = (t_min / instance.scale, t_max / instance.scale);
-            return instance.accel.each(&instance.inward(ray), low, high, &mut |hit, rank| {
-                let own = if instance.mesh { instance.rank(ranks, hit.triangle) } else { ranks.first().copied().unwrap_or(rank) };
-                visit(instance.outward(hit, surface), own);
-            });
-        }
-        let mut from = t_min;
-        while let Some(hit) = self.hit(ray, from, from, t_max, surface, 0) {
-            from = hit.t;
-            visit(hit, self.rank(ranks, 0));
+        match self {
+            Self::Shape(shape) => {
+                let mut from = t_min;
+                while let Some(hit) = shape_hit(shape, ray, from, t_max, surface) {
+                    from = hit.t;
+                    visit(hit, ranks.first().copied().unwrap_or_default());
+                }
+            }
+            Self::Instance(instance) => instance.each(ray, t_min, t_max, surface, ranks, visit),
+            Self::Mesh(_) => {}
         }
     }
+}
 
-    /// The rank of a triangle of a mesh, or of a shape.
-    pub fn rank(&self, ranks: &[Rank], triangle: u32) -> Rank {
-        let material = if let Self::Mesh(placed) = self { placed.mesh.material(triangle) as usize } else { 0 };
-        ranks.get(material).or(ranks.last()).copied().unwrap_or_default()
-    }
+/// The first hit on a shape between the distances.
+pub(super) fn shape_hit(shape: &Shape, ray: &Ray, t_min: f64, t_max: f64, surface: u32) -> Option<Hit> {
+    let t = shape.intersect(ray, t_min, t_max)?;
+    let point = ray.at(t);
+    Some(Hit { t, point, normal: shape.normal_at(point), surface, path: Path::default(), triangle: 0, barycentric: [0.0; 2] })
 }
 
 impl Placed {
@@ -99,20 +86,27 @@ impl Placed {
         self.mesh.triangles[triangle as usize].map(|v| positions[v as usize])
     }
 
+    /// The rank of a triangle.
+    pub fn rank(&self, ranks: &[Rank], triangle: u32) -> Rank {
+        ranks.get(self.mesh.material(triangle) as usize).or(ranks.last()).copied().unwrap_or_default()
+    }
+
     /// The hit on a triangle that the ray is known to meet at about that distance; a point of the triangle in any case.
     #[inline]
-    fn hit(&self, ray: &Ray, near: f64, surface: u32, triangle: u32) -> Hit {
+    pub fn hit(&self, ray: &Ray, near: f64, surface: u32, triangle: u32) -> Hit {
         // Seen from a point of the ray near the triangle no digits are lost, however far the ray has come.
         let from = ray.at(near);
         let corners = self.corners(triangle);
         let [a, b, c] = corners.map(|p| p - from);
         let d = ray.direction;
-        // The ray against the three edges (Plücker); outside by rounding is on the edge.
-        let weights = Vec3::new(d.dot(c.cross(b)), d.dot(a.cross(c)), d.dot(b.cross(a)));
-        let sum = weights.element_sum();
-        let weights = if sum > 0.0 { weights.max(Vec3::ZERO) } else { weights.min(Vec3::ZERO) };
-        // Seen exactly edge on, any weights will do.
-        let weights = Some(weights / weights.element_sum()).filter(|w| w.is_finite()).unwrap_or(Vec3::splat(1.0 / 3.0));
+        // The ray against the three edges (Plücker).
+        let volumes = Vec3::new(d.dot(c.cross(b)), d.dot(a.cross(c)), d.dot(b.cross(a)));
+        let mut weights = volumes / volumes.element_sum();
+        // A little outside is single precision's doing and still on the plane. More is a triangle seen edge on: take a point in it.
+        if weights.is_nan() || weights.min_element() < -1e-2 {
+            let positive = weights.max(Vec3::ZERO);
+            weights = Some(positive / positive.element_sum()).filter(|w| w.is_finite()).unwrap_or(Vec3::splat(1.0 / 3.0));
+        }
         let offset = a * weights.x + b * weights.y + c * weights.z;
         let cross = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
         let normal = cross.normalize_or_zero() * if self.mirrored { -1.0 } else { 1.0 };
@@ -123,7 +117,7 @@ impl Placed {
             surface,
             path: Path::default(),
             triangle,
-            barycentric: [weights.y, weights.z],
+            barycentric: [weights.y, weights.z].map(|w| w.clamp(0.0, 1.0)),
         }
     }
 }
@@ -153,8 +147,25 @@ impl Instance {
         }
     }
 
-    /// The rank of a triangle, when this is a mesh.
-    fn rank(&self, ranks: &[Rank], triangle: u32) -> Rank {
-        self.accel.surfaces[0].rank(ranks, triangle)
+    /// The first hit between the distances.
+    pub fn nearest(&self, ray: &Ray, t_min: f64, t_max: f64, surface: u32) -> Option<Hit> {
+        let hit = self.accel.nearest(&self.inward(ray), t_min / self.scale, t_max / self.scale)?;
+        Some(self.outward(hit, surface))
+    }
+
+    /// Whether it is hit between the distances.
+    fn occludes(&self, ray: &Ray, t_min: f64, t_max: f64) -> bool {
+        self.accel.occluded(&self.inward(ray), t_min / self.scale, t_max / self.scale)
+    }
+
+    /// Every hit between the distances, with its rank; `ranks` are this surface's.
+    fn each(&self, ray: &Ray, t_min: f64, t_max: f64, surface: u32, ranks: &[Rank], visit: &mut dyn FnMut(Hit, Rank)) {
+        self.accel.each(&self.inward(ray), t_min / self.scale, t_max / self.scale, &mut |hit, inner| {
+            let rank = match &self.accel.surfaces[0] {
+                Body::Mesh(placed) if self.mesh => placed.rank(ranks, hit.triangle),
+                _ => ranks.first().copied().unwrap_or(inner),
+            };
+            visit(self.outward(hit, surface), rank);
+        });
     }
 }

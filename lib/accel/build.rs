@@ -42,7 +42,9 @@ impl Accel {
                 _ => false,
             };
             let instance = |accel, affine, mesh| {
-                Instance::new(accel, affine, mesh).ok_or_else(|| Error::new("a transform has no inverse; check its scale")).map(Body::Instance)
+                Instance::new(accel, affine, mesh)
+                    .ok_or_else(|| Error::new("a transform has no inverse; check its scale"))
+                    .map(Body::Instance)
             };
             bodies.push(match geometry {
                 Geometry::Shape(shape) => Body::Shape(shape),
@@ -111,10 +113,7 @@ impl Accel {
                 Some(corners) => Aabb::from_points(&corners.map(Into::into)),
                 None => {
                     let b = surfaces[primitives[primitive as usize].0 as usize].bounds();
-                    Aabb::new(
-                        space.local(b.min).map(f32::next_down).into(),
-                        space.local(b.max).map(f32::next_up).into(),
-                    )
+                    Aabb::new(space.local(b.min).map(f32::next_down).into(), space.local(b.max).map(f32::next_up).into())
                 }
             })
             .collect();

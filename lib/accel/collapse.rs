@@ -34,11 +34,7 @@ struct Plan {
 }
 
 /// The wide tree of `binary`. `is_triangle` tells triangles from the rest; `corners` gives a triangle's, in the tree's coordinates.
-pub(super) fn collapse(
-    binary: &Binary,
-    is_triangle: impl Fn(u32) -> bool + Sync,
-    corners: impl Fn(u32) -> [[f32; 3]; 3] + Sync,
-) -> Tree {
+pub(super) fn collapse(binary: &Binary, is_triangle: impl Fn(u32) -> bool + Sync, corners: impl Fn(u32) -> [[f32; 3]; 3] + Sync) -> Tree {
     if binary.order.is_empty() {
         return Tree { nodes: Vec::new(), blocks: Vec::new(), root: None };
     }
@@ -116,10 +112,7 @@ fn solve(binary: &Binary, root: usize, plans: &mut [Plan], is_triangle: &(impl F
     if plans.len() > SEQUENTIAL && depth < 16 {
         let (first, second) = plans[1..].split_at_mut(2 * binary.leaves[root + 1] as usize - 1);
         let at = binary.second(root);
-        rayon::join(
-            || solve(binary, root + 1, first, is_triangle, depth + 1),
-            || solve(binary, at, second, is_triangle, depth + 1),
-        );
+        rayon::join(|| solve(binary, root + 1, first, is_triangle, depth + 1), || solve(binary, at, second, is_triangle, depth + 1));
         start = plans.len() - 1;
     }
     for i in (0..plans.len() - start).rev() {

@@ -72,8 +72,7 @@ impl Probe {
                     end = end.min(a.max(b));
                 }
             }
-            // Also refuse what is not a number.
-            if !(start <= end + lead) {
+            if start > end + lead {
                 return None;
             }
         }

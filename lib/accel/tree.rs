@@ -93,7 +93,8 @@ impl Tree {
                 let near = slab(0, first).fast_max(slab(1, second)).fast_max(slab(2, third).fast_max(f32x8::ZERO));
                 // A few roundings make each bound, and the triangle test a few more; widening the far one keeps every box the exact ray touches (Ize 2013, "Robust BVH Ray
                 // Traversal").
-                let far = slab(0, first ^ 1).fast_min(slab(1, second ^ 1)).fast_min(slab(2, third ^ 1)) * f32x8::splat(1.0 + 8.0 * f32::EPSILON);
+                let far =
+                    slab(0, first ^ 1).fast_min(slab(1, second ^ 1)).fast_min(slab(2, third ^ 1)) * f32x8::splat(1.0 + 8.0 * f32::EPSILON);
                 let mut mask = near.simd_le(far.fast_min(f32x8::splat(limit))).to_bitmask();
                 if mask != 0 {
                     let near = near.to_array();

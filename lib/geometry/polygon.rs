@@ -121,9 +121,7 @@ impl Polygon {
                 .collect();
             sides.sort_by(|a, b| (a[0] + a[1]).total_cmp(&(b[0] + b[1])));
             for pair in sides.chunks_exact(2).filter(|pair| pair[0] != pair[1]) {
-                out.push(
-                    [[pair[0][0], w[0]], [pair[1][0], w[0]], [pair[1][1], w[1]], [pair[0][1], w[1]]].map(|p| self.lift(p)),
-                );
+                out.push([[pair[0][0], w[0]], [pair[1][0], w[0]], [pair[1][1], w[1]], [pair[0][1], w[1]]].map(|p| self.lift(p)));
             }
         }
         out

@@ -1,6 +1,8 @@
 //! One RADIANCE surface: from its arguments to what a ray, a light or a picture asks of it.
 
 use super::{Bounds, Cone, Polygon, Ray, Ring, Sphere, tolerance};
+use crate::error::{Error, Result};
+use crate::rad::Primitive;
 use crate::vector::Vec3;
 
 /// A surface that has an equation of its own.
@@ -17,9 +19,23 @@ pub enum Shape {
 }
 
 impl Shape {
+    /// The surface a primitive describes, without the warnings.
+    pub fn of(primitive: &Primitive) -> Result<Option<Self>> {
+        Self::read(primitive, &mut Vec::new())
+    }
+
+    /// The surface a primitive describes; `None` when RADIANCE ignores it, with the reason among the `warnings` (which have its place, as
+    /// errors do); an error when RADIANCE refuses it, or when it is no surface with a shape of its own.
+    pub fn read(primitive: &Primitive, warnings: &mut Vec<Error>) -> Result<Option<Self>> {
+        let mut texts = Vec::new();
+        let shape = Self::new(&primitive.kind, &primitive.reals, &mut texts).map_err(|e| primitive.error(e));
+        warnings.extend(texts.into_iter().map(|text| primitive.error(text)));
+        shape
+    }
+
     /// The surface of RADIANCE type `kind` with these real arguments. `Ok(None)` when RADIANCE ignores it, with the reason among the
     /// `warnings`; an error when it refuses it (wrong count, not a number, not a type with a shape).
-    pub fn new(kind: &str, reals: &[f64], warnings: &mut Vec<String>) -> Result<Option<Self>, String> {
+    pub fn new(kind: &str, reals: &[f64], warnings: &mut Vec<String>) -> std::result::Result<Option<Self>, String> {
         if let Some(bad) = reals.iter().find(|r| !r.is_finite()) {
             return Err(format!("{bad} is not a finite number"));
         }
@@ -34,7 +50,10 @@ impl Shape {
         let ignored = match kind {
             "polygon" => {
                 if reals.len() < 9 || !reals.len().is_multiple_of(3) {
-                    return Err(format!("polygon needs three coordinates for each of at least three vertices, not {} numbers", reals.len()));
+                    return Err(format!(
+                        "polygon needs three coordinates for each of at least three vertices, not {} numbers",
+                        reals.len()
+                    ));
                 }
                 let polygon = Polygon::new((0..reals.len()).step_by(3).map(point).collect());
                 if polygon.as_ref().is_some_and(|p| p.unevenness() > 1e-5) {

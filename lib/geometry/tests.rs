@@ -84,10 +84,23 @@ fn degenerate_surfaces_are_ignored_with_a_reason_and_malformed_ones_refused() {
 }
 
 #[test]
+fn a_primitive_is_read_with_places_for_its_warnings_and_errors() {
+    let source = crate::error::Source::new("a.rad", "void sphere ball\n0\n0\n4 0 0 0 -1\nvoid ring disk\n0\n0\n3 1 2 3\n");
+    let document = crate::rad::Document::parse(source).unwrap();
+    let primitives: Vec<_> = document.primitives().collect();
+    let mut warnings = Vec::new();
+    assert!(matches!(Shape::read(primitives[0], &mut warnings), Ok(Some(Shape::Sphere(Sphere { inward: true, .. })))));
+    assert!(warnings[0].to_string().starts_with("a.rad:1:6: "));
+    assert!(Shape::of(primitives[1]).unwrap_err().to_string().starts_with("a.rad:5:6: error: ring needs 8 real arguments, not 3"));
+}
+
+#[test]
 fn negative_radii_turn_surfaces_inside_out() {
-    for (kind, reals, twin) in
-        [("sphere", vec![0., 0., 0., -1.], "bubble"), ("cylinder", vec![0., 0., 0., 0., 0., 1., -1.], "tube"), ("cone", vec![0., 0., 0., 0., 0., 1., -1., -2.], "cup")]
-    {
+    for (kind, reals, twin) in [
+        ("sphere", vec![0., 0., 0., -1.], "bubble"),
+        ("cylinder", vec![0., 0., 0., 0., 0., 1., -1.], "tube"),
+        ("cone", vec![0., 0., 0., 0., 0., 1., -1., -2.], "cup"),
+    ] {
         let mut warnings = Vec::new();
         let turned = Shape::new(kind, &reals, &mut warnings).unwrap().unwrap();
         assert_eq!(warnings.len(), 1);
@@ -174,7 +187,8 @@ fn samples_are_on_the_surface_and_uniform_in_area() {
             // Each sample stands for area/N² of surface, which projects to |n·axis| of that.
             let each = s.area() / (N * N) as f64;
             let seen: f64 = points.iter().map(|&p| s.normal_at(p)[axis].abs() * each).sum();
-            let moment: f64 = points.iter().map(|&p| s.normal_at(p)[axis].abs() * each * (p[(axis + 1) % 3] - bounds.min[(axis + 1) % 3])).sum();
+            let moment: f64 =
+                points.iter().map(|&p| s.normal_at(p)[axis].abs() * each * (p[(axis + 1) % 3] - bounds.min[(axis + 1) % 3])).sum();
             assert!((seen / rows.1 - 1.0).abs() < 0.02, "{s:?} {axis}: {seen} {}", rows.1);
             assert!((moment / rows.0 - 1.0).abs() < 0.02, "{s:?} {axis}: {moment} {}", rows.0);
         }
@@ -216,7 +230,11 @@ fn lights_are_sampled_where_radiance_samples_them() {
     let cylinder = shape("cylinder", &[0., 0., 0., 0., 0., 4., 0.5]).light().unwrap();
     assert_eq!((cylinder.center, cylinder.size), (Vec3::Z * 2.0, 4.0));
     // A horseshoe does not contain its vertex average; a ring may have no hole; cones and bubbles are illegal.
-    assert!(shape("polygon", &[0., 0., 0., 3., 0., 0., 3., 3., 0., 2., 3., 0., 2., 0.1, 0., 1., 0.1, 0., 1., 3., 0., 0., 3., 0.]).light().is_err());
+    assert!(
+        shape("polygon", &[0., 0., 0., 3., 0., 0., 3., 3., 0., 2., 3., 0., 2., 0.1, 0., 1., 0.1, 0., 1., 3., 0., 0., 3., 0.])
+            .light()
+            .is_err()
+    );
     assert!(shape("ring", &[0., 0., 0., 0., 0., 1., 1., 2.]).light().is_err());
     assert!(shape("cone", &[0., 0., 0., 0., 0., 1., 1., 2.]).light().is_err());
     assert!(shape("bubble", &[0., 0., 0., 1.]).light().is_err());
