@@ -10,9 +10,9 @@ use spelling::{Rewritten, is_radiance, is_switch, rewrite};
 use std::ffi::OsString;
 use std::path::PathBuf;
 
-pub mod rtrace;
-pub mod imgdiff;
 pub mod anneal;
+pub mod imgdiff;
+pub mod rtrace;
 pub mod spelling;
 
 /// Options that mean the same to all four programs.

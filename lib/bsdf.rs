@@ -138,6 +138,13 @@ pub struct Reflectance {
     pub isotropic: bool,
 }
 
+impl Reflectance {
+    /// A Lambertian surface.
+    pub fn diffuse(color: Rgb) -> Self {
+        Self { color, specularity: 0.0, roughness: [0.0; 2], transmission: 0.0, transmitted_specular: 0.0, metal: false, isotropic: true }
+    }
+}
+
 impl Bsdf {
     /// What `material` does at `point` with the pattern `pattern`.
     pub fn new(material: &Material, point: &Point, pattern: Rgb, rules: &Rules) -> Self {
@@ -207,7 +214,11 @@ impl Bsdf {
         }
         let alpha = bsdf.orient(point, m);
         let lobe = |weight: f64, color: Rgb| {
-            (weight > 1e-6).then_some(Lobe { color, alpha, gathers: rules.specular_threshold < weight - 1e-6 || rules.specular_threshold == 0.0 })
+            (weight > 1e-6).then_some(Lobe {
+                color,
+                alpha,
+                gathers: rules.specular_threshold < weight - 1e-6 || rules.specular_threshold == 0.0,
+            })
         };
         bsdf.lobes = [lobe(m.specularity, specular_color), lobe(straight, m.color * straight)];
         for side in 0..2 {
@@ -278,7 +289,9 @@ impl Bsdf {
             Arriving::Indirect if !self.passes(wi) => Rgb::ZERO,
             Arriving::Indirect => {
                 let gathered = lobe.filter(|l| l.gathers).map_or(Rgb::ZERO, |lobe| {
-                    lobe.color * (specular * if side == 0 { reflection(rules.lobe, lobe.alpha, self.to_viewer, wi) } else { self.through_pdf(lobe, wi) })
+                    lobe.color
+                        * (specular
+                            * if side == 0 { reflection(rules.lobe, lobe.alpha, self.to_viewer, wi) } else { self.through_pdf(lobe, wi) })
                 });
                 self.ambient[side] * (lambert * diffuse) + gathered
             }
@@ -310,7 +323,8 @@ impl Bsdf {
             transmission(alpha, self.straight, self.to_viewer, wi)
         };
         // RADIANCE drops the tail of a lobe.
-        let negligible = rules.light_jitter.is_some() && value <= 1e-6 * if side == 0 { wi.z } else { (wi.z.abs() / self.to_viewer.z.max(0.001)).sqrt() };
+        let negligible = rules.light_jitter.is_some()
+            && value <= 1e-6 * if side == 0 { wi.z } else { (wi.z.abs() / self.to_viewer.z.max(0.001)).sqrt() };
         if negligible { 0.0 } else { value }
     }
 

@@ -52,7 +52,8 @@ impl Environment {
             .into_par_iter()
             .map(|y| Steps::new(&(0..width).map(|x| (mean_of(y, x) - mean).max(0.0)).collect::<Vec<_>>()))
             .collect();
-        let weights: Vec<f32> = rows.iter().enumerate().map(|(y, row)| row.as_ref().map_or(0.0, |(_, sum)| (sum * area(y)) as f32)).collect();
+        let weights: Vec<f32> =
+            rows.iter().enumerate().map(|(y, row)| row.as_ref().map_or(0.0, |(_, sum)| (sum * area(y)) as f32)).collect();
         let (steps, _) = Steps::new(&weights)?;
         Some(Self { rows: steps, columns: rows.into_iter().map(|row| row.map(|(steps, _)| steps)).collect(), width, cosines })
     }

@@ -30,5 +30,9 @@ pub fn model(bytes: &[u8], name: &str) -> Result<Model> {
         }
     }
     let _ = name;
-    Ok(Model { mesh: Arc::new(Mesh { positions, normals: vec![], uvs: vec![], triangles, materials: vec![] }), modifiers: vec![], materials: vec![] })
+    Ok(Model {
+        mesh: Arc::new(Mesh { positions, normals: vec![], uvs: vec![], triangles, materials: vec![] }),
+        modifiers: vec![],
+        materials: vec![],
+    })
 }

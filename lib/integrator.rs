@@ -12,7 +12,7 @@ use crate::material::Inside;
 use crate::rules::Rules;
 use crate::sampling::Sampler;
 use crate::vector::Vec3;
-use crate::world::{Emission, Emitter, Layer, World};
+use crate::world::{Coming, Emission, Emitter, Layer, World};
 
 /// What paths carry, and what becomes of the light they find.
 pub trait Transport {
@@ -126,6 +126,24 @@ struct Segment<B> {
     aim: Option<Emitter>,
 }
 
+/// How paths go on from a surface. The ways are: its two deltas, its four parts.
+struct Ways {
+    /// What each part gathers; 0 for a part that gathers nothing here.
+    weights: [f64; 4],
+    /// The expected number of samples of each part, per way to sample it; 0 for a part that is not integrated.
+    counts: [f64; 4],
+    /// The probability of each way, 1 if all are taken.
+    share: [f64; 6],
+    /// The one that is taken; all if `None`.
+    chosen: Option<usize>,
+}
+
+impl Ways {
+    fn take(&self, way: usize) -> bool {
+        self.chosen.is_none_or(|c| c == way)
+    }
+}
+
 /// How a path left the last rough surface it met.
 #[derive(Clone, Copy)]
 struct Scattered {
@@ -168,10 +186,14 @@ impl<'a, B: Clone> Integrator<'a, B> {
         while let Some(segment) = self.stack.pop() {
             match self.world.nearest(&segment.ray, segment.limit) {
                 Some(hit) => {
-                    let world = self.world;
-                    let primary = segment.travelled == 0.0;
-                    self.outcome.surface |= primary;
-                    world.layers(&hit, &segment.ray, segment.travelled, self.rules, primary, segment.aim, &mut |layer| self.meet(transport, &segment, hit.t, hit.point, layer));
+                    let coming = Coming {
+                        ray: &segment.ray,
+                        travelled: segment.travelled,
+                        aim: segment.aim,
+                        primary: segment.exact && segment.level == 0 && segment.scattered.is_none(),
+                    };
+                    self.outcome.surface |= segment.travelled == 0.0;
+                    self.world.layers(&hit, &coming, self.rules, &mut |layer| self.meet(transport, &segment, hit.t, hit.point, layer));
                 }
                 None if segment.limit < f64::INFINITY => {}
                 None => self.escape(transport, segment),
@@ -238,63 +260,64 @@ impl<'a, B: Clone> Integrator<'a, B> {
         at.limit = f64::INFINITY;
         if at.aim.is_some() {
             if let Some(delta) = &surface.deltas()[1] {
-                self.follow(transport, &at, &surface, delta, 1.0);
+                self.follow(transport, &mut at, &surface, delta, 1.0);
             }
             return;
         }
-        let mut weights = surface.weights();
-        if at.bounces >= self.rules.ambient_bounces {
-            for side in 0..2 {
-                if std::mem::take(&mut weights[side]) > 0.0 && self.rules.ambient_value != Rgb::ZERO {
-                    transport.collect(&transport.ambient(&at.beta, &surface, side), self.rules.ambient_value);
-                }
-            }
-        }
-        // Take all ways on, or choose one in proportion to what it carries.
-        let sizes = surface.deltas().map(|d| d.map_or(0.0, |d| d.coefficient.max_element()));
-        let mut share = [1.0; 6];
-        let mut chosen = None;
-        if !at.exact {
-            let carried = [sizes[0], sizes[1], weights[0], weights[1], weights[2], weights[3]];
-            let total: f64 = carried.iter().sum();
-            if total > 0.0 {
-                share = carried.map(|c| c / total);
-                chosen = self.choose(&mut at, &share);
-            }
-        }
-        let all = at.exact;
-        let taken = |way: usize| all || chosen == Some(way);
-        // The expected number of samples of each part, per way to sample it.
-        let mut counts = [0.0; 4];
+        let ways = self.ways(transport, &mut at, &surface);
+        self.aim_at_lamps(transport, &mut at, &surface, &ways.counts);
+        self.aim_at_environment(transport, &mut at, &surface, &ways.counts);
         for part in Part::ALL {
-            let k = part as usize;
-            if weights[k] > 0.0 && self.spread(part).is_none() {
-                counts[k] = if at.exact { 1.0 } else { share[2 + k] / surface.ways(part) as f64 };
+            if ways.weights[part as usize] > 0.0 && ways.take(2 + part as usize) {
+                self.gather(transport, &mut at, &surface, part, &ways);
             }
-        }
-        self.aim_at_lamps(transport, &mut at, &surface, &counts);
-        self.aim_at_environment(transport, &mut at, &surface, &counts);
-        for part in Part::ALL.into_iter().filter(|&p| weights[p as usize] > 0.0 && taken(2 + p as usize)) {
-            self.gather(transport, &mut at, &surface, part, weights[part as usize], &counts, share[2 + part as usize]);
         }
         for side in 0..2 {
-            if let Some(delta) = surface.deltas()[side].as_ref().filter(|_| taken(side)) {
-                self.follow(transport, &at, &surface, delta, share[side]);
+            if let Some(delta) = surface.deltas()[side].as_ref().filter(|_| ways.take(side)) {
+                self.follow(transport, &mut at, &surface, delta, ways.share[side]);
             }
         }
     }
 
-    /// One of the ways on, with the probabilities `share`.
-    fn choose(&mut self, at: &mut Segment<B>, share: &[f64; 6]) -> Option<usize> {
-        let mut u = self.draw(at)[0];
-        let last = share.iter().rposition(|&s| s > 0.0);
-        for (i, &s) in share.iter().enumerate() {
-            if u < s || Some(i) == last {
-                return Some(i);
+    /// How to go on from a surface: in every way there is while nothing was left to chance, else in one, chosen in proportion to what it carries.
+    fn ways<T: Transport<Beta = B>>(&mut self, transport: &mut T, at: &mut Segment<B>, surface: &T::Surface) -> Ways {
+        let mut ways = Ways { weights: surface.weights(), counts: [0.0; 4], share: [1.0; 6], chosen: None };
+        if at.bounces >= self.rules.ambient_bounces {
+            for side in 0..2 {
+                if std::mem::take(&mut ways.weights[side]) > 0.0 && self.rules.ambient_value != Rgb::ZERO {
+                    transport.collect(&transport.ambient(&at.beta, surface, side), self.rules.ambient_value);
+                }
             }
-            u -= s;
         }
-        None
+        if !at.exact {
+            let deltas = surface.deltas().map(|d| d.map_or(0.0, |d| d.coefficient.max_element()));
+            let carried = std::array::from_fn(|i| if i < 2 { deltas[i] } else { ways.weights[i - 2] });
+            let total: f64 = carried.iter().sum();
+            if total > 0.0 {
+                ways.share = carried.map(|c| c / total);
+                ways.chosen = Some(self.choose(at, &ways.share));
+            }
+        }
+        for part in Part::ALL {
+            let k = part as usize;
+            if ways.weights[k] > 0.0 && self.spread(part).is_none() {
+                ways.counts[k] = if at.exact { 1.0 } else { ways.share[2 + k] / surface.ways(part) as f64 };
+            }
+        }
+        ways
+    }
+
+    /// One of several ways, with these probabilities.
+    fn choose(&mut self, at: &mut Segment<B>, share: &[f64; 6]) -> usize {
+        let mut u = self.draw(at)[0];
+        let last = share.iter().rposition(|&s| s > 0.0).unwrap_or(0);
+        share[..last]
+            .iter()
+            .position(|s| {
+                u -= s;
+                u < 0.0
+            })
+            .unwrap_or(last)
     }
 
     /// Two random numbers.
@@ -314,54 +337,57 @@ impl<'a, B: Clone> Integrator<'a, B> {
     }
 
     /// Samples one part, and sends paths on.
-    fn gather<T: Transport<Beta = B>>(
-        &mut self, transport: &mut T, at: &mut Segment<B>, surface: &T::Surface, part: Part, weight: f64, counts: &[f64; 4], share: f64,
-    ) {
+    fn gather<T: Transport<Beta = B>>(&mut self, transport: &mut T, at: &mut Segment<B>, surface: &T::Surface, part: Part, ways: &Ways) {
         let k = part as usize;
-        let reflected = part.side() == 0;
+        let weight = self.factor(ways.weights[k], ways.share[2 + k]);
+        let mut from = Scattered { origin: at.ray.origin, direction: Vec3::ZERO, density: 0.0, lamps: false, shared: false };
         if let Some(spread) = self.spread(part) {
-            self.outcome.random |= spread > 0.0;
             let mut sampler = at.sampler.fork();
             if let Some((wi, color)) = surface.bsdf().unweighted(part, spread, &mut sampler) {
                 let mut beta = at.beta.clone();
-                transport.scale(&mut beta, color / share);
-                let from = Scattered { origin: at.ray.origin, direction: surface.bsdf().to_world(wi), density: 0.0, lamps: false, shared: false };
-                self.send(transport, at, beta, from, weight, reflected, part, spread == 0.0);
+                transport.scale(&mut beta, color / ways.share[2 + k]);
+                from.direction = surface.bsdf().to_world(wi);
+                self.outcome.random |= spread > 0.0;
+                at.exact &= spread == 0.0;
+                self.send(transport, at, beta, from, part, weight);
             }
             return;
         }
-        let ways = surface.ways(part);
-        let only = if at.exact || ways == 1 { None } else { Some(((self.draw(at)[0] * ways as f64) as usize).min(ways - 1)) };
-        for way in (0..ways).filter(|&w| only.is_none_or(|o| o == w)) {
+        let count = surface.ways(part);
+        let only = if at.exact || count == 1 { None } else { Some(((self.draw(at)[0] * count as f64) as usize).min(count - 1)) };
+        (from.lamps, from.shared) = (self.rules.light_jitter.is_none() && !surface.lamps_differ(part), true);
+        for way in (0..count).filter(|&w| only.is_none_or(|o| o == w)) {
             let u = self.draw(at);
             let Some(wi) = surface.sample(part, way, u) else { continue };
-            let density = counts[k] * surface.pdf(part, wi);
+            from.density = ways.counts[k] * surface.pdf(part, wi);
+            from.direction = surface.bsdf().to_world(wi);
             let mut weights = [0.0; 4];
-            weights[k] = 1.0 / density;
+            weights[k] = 1.0 / from.density;
             let beta = transport.scatter(&at.beta, surface, wi, Arriving::Indirect, &weights);
-            let lamps = self.rules.light_jitter.is_none() && !surface.lamps_differ(part);
-            let from = Scattered { origin: at.ray.origin, direction: surface.bsdf().to_world(wi), density, lamps, shared: true };
-            self.send(transport, at, beta, from, weight, reflected, part, false);
+            let exact = std::mem::take(&mut at.exact);
+            self.send(transport, at, beta, from, part, weight);
+            at.exact = exact;
         }
     }
 
+    /// What a way that carries `carried` and is taken with probability `share` multiplies the weight of a path with: where RADIANCE's limits
+    /// are given, what it does there; else what the throughput is on the average multiplied with.
+    fn factor(&self, carried: f64, share: f64) -> f64 {
+        if self.rules.limit_weight.is_some() || self.rules.limit_reflections.is_some() { carried } else { carried / share }
+    }
+
     /// Sends a path on from a rough surface.
-    fn send<T: Transport<Beta = B>>(
-        &mut self, transport: &mut T, at: &mut Segment<B>, beta: B, from: Scattered, weight: f64, reflected: bool, part: Part, exact: bool,
-    ) {
+    fn send<T: Transport<Beta = B>>(&mut self, transport: &mut T, at: &mut Segment<B>, beta: B, from: Scattered, part: Part, weight: f64) {
         let sampler = at.sampler.fork();
         let ray = Ray { origin: at.ray.origin, direction: from.direction };
         let bounces = at.bounces + part.diffuse() as u32;
-        let exact = exact && at.exact;
-        let next = Segment { ray, beta, sampler, bounces, exact, scattered: Some(from), ..at.clone() };
-        self.push(transport, next, weight, reflected);
+        let next = Segment { ray, beta, sampler, bounces, scattered: Some(from), ..at.clone() };
+        self.push(transport, next, weight, part.side() == 0);
     }
 
     /// Follows a direction that is scattered into alone, taken with probability `share`.
-    fn follow<T: Transport<Beta = B>>(&mut self, transport: &mut T, at: &Segment<B>, surface: &T::Surface, delta: &Delta, share: f64) {
-        let mut next = at.clone();
-        next.sampler = next.sampler.fork();
-        next.beta = transport.follow(&at.beta, surface, delta);
+    fn follow<T: Transport<Beta = B>>(&mut self, transport: &mut T, at: &mut Segment<B>, surface: &T::Surface, delta: &Delta, share: f64) {
+        let mut next = Segment { sampler: at.sampler.fork(), beta: transport.follow(&at.beta, surface, delta), ..at.clone() };
         if share != 1.0 {
             transport.scale(&mut next.beta, Rgb::splat(1.0 / share));
         }
@@ -370,10 +396,13 @@ impl<'a, B: Clone> Integrator<'a, B> {
             next.medium = medium;
         }
         // Lamps and environment were not aimed at by way of a mirror.
-        if delta.reflected && let Some(s) = &mut next.scattered {
+        if delta.reflected
+            && let Some(s) = &mut next.scattered
+        {
             (s.lamps, s.shared) = (false, false);
         }
-        self.push(transport, next, delta.coefficient.max_element(), delta.reflected);
+        let weight = self.factor(delta.coefficient.max_element(), share);
+        self.push(transport, next, weight, delta.reflected);
     }
 
     /// Sends a path on if RADIANCE's limits, or roulette, let it live.
@@ -438,7 +467,13 @@ impl<'a, B: Clone> Integrator<'a, B> {
     }
 
     /// Light of the environment, for the parts that gather it.
-    fn aim_at_environment<T: Transport<Beta = B>>(&mut self, transport: &mut T, at: &mut Segment<B>, surface: &T::Surface, counts: &[f64; 4]) {
+    fn aim_at_environment<T: Transport<Beta = B>>(
+        &mut self,
+        transport: &mut T,
+        at: &mut Segment<B>,
+        surface: &T::Surface,
+        counts: &[f64; 4],
+    ) {
         if counts == &[0.0; 4] || !self.world.has_environment() {
             return;
         }
@@ -457,7 +492,15 @@ impl<'a, B: Clone> Integrator<'a, B> {
     }
 
     /// Sends a shadow ray. Where nothing is transparent it is settled at once.
-    fn shadow<T: Transport<Beta = B>>(&mut self, transport: &mut T, at: &mut Segment<B>, beta: B, direction: Vec3, distance: f64, aim: Emitter) {
+    fn shadow<T: Transport<Beta = B>>(
+        &mut self,
+        transport: &mut T,
+        at: &mut Segment<B>,
+        beta: B,
+        direction: Vec3,
+        distance: f64,
+        aim: Emitter,
+    ) {
         if transport.size(&beta) == 0.0 {
             return;
         }

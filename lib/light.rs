@@ -29,13 +29,13 @@ pub enum Form {
     /// A distant cone of directions around an axis, and 1 − cos of its half angle.
     Distant(Vec3, f64),
     /// A surface, ready to be sampled, and as RADIANCE's one sample sees it.
-    Shape(Shape, AreaSampler, LightShape),
+    Shape(Box<(Shape, AreaSampler, LightShape)>),
 }
 
 impl Form {
     /// A surface as a lamp; an error for one that RADIANCE refuses.
     pub fn of(shape: &Shape) -> Result<Self, &'static str> {
-        Ok(Self::Shape(shape.clone(), AreaSampler::new(shape), shape.light()?))
+        Ok(Self::Shape(Box::new((shape.clone(), AreaSampler::new(shape), shape.light()?))))
     }
 }
 
@@ -57,7 +57,8 @@ impl Lamp {
             Form::Distant(axis, spread) => {
                 ToLamp { direction: Frame::around(*axis).to_world(cone(u, *spread)), distance: f64::INFINITY, omega: 2.0 * PI * spread }
             }
-            Form::Shape(shape, area, _) => {
+            Form::Shape(surface) => {
+                let (shape, area, _) = &**surface;
                 if let Some((center, spread)) = cap(shape, from) {
                     let direction = Frame::around((center - from).normalize()).to_world(cone(u, spread));
                     // A direction at the very rim may miss the sphere by rounding.
@@ -88,7 +89,8 @@ impl Lamp {
                     0.0
                 }
             }
-            Form::Shape(shape, area, _) => {
+            Form::Shape(surface) => {
+                let (shape, area, _) = &**surface;
                 let ray = Ray { origin: from, direction };
                 let Some(t) = shape.intersect(&ray, 0.0, f64::INFINITY).filter(|&t| t <= self.radius) else { return 0.0 };
                 if let Some((_, spread)) = cap(shape, from) {
@@ -107,7 +109,8 @@ impl Lamp {
                 let direction = Frame::around(*axis).to_world(cone([u[0] * jitter * jitter, u[1]], *spread));
                 ToLamp { direction, distance: f64::INFINITY, omega: 2.0 * PI * spread }
             }
-            Form::Shape(_, _, light) => {
+            Form::Shape(surface) => {
+                let light = &surface.2;
                 let [a, b, c] = light.half_edges;
                 let to = light.center + (a * (2.0 * u[0] - 1.0) + b * (2.0 * u[1] - 1.0) + c * (2.0 * u[2] - 1.0)) * jitter - from;
                 let distance = to.length();
@@ -131,11 +134,16 @@ impl Lamp {
         self.brightness
             * match &self.form {
                 Form::Distant(_, spread) => 2.0 * PI * spread,
-                Form::Shape(shape, area, light) => {
+                Form::Shape(surface) => {
+                    let (shape, area, light) = &**surface;
                     let size = (shape.bounds().max - shape.bounds().min).length_squared() / 4.0;
                     let distance = light.center.distance_squared(from);
                     // Beyond its radius a glow lights nothing, whatever point of it is taken.
-                    if self.radius.is_finite() && distance.sqrt() > self.radius + size.sqrt() { 0.0 } else { area.area() / distance.max(size) }
+                    if self.radius.is_finite() && distance.sqrt() > self.radius + size.sqrt() {
+                        0.0
+                    } else {
+                        area.area() / distance.max(size)
+                    }
                 }
             }
     }

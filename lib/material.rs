@@ -58,7 +58,15 @@ impl Inside {
         if self.extinction == Rgb::ZERO {
             return Rgb::ONE;
         }
-        let through = |x: f64| if x <= 1e-6 { 1.0 } else if x > 92.0 { 0.0 } else { (-x).exp() };
+        let through = |x: f64| {
+            if x <= 1e-6 {
+                1.0
+            } else if x > 92.0 {
+                0.0
+            } else {
+                (-x).exp()
+            }
+        };
         self.extinction.to_array().map(|e| if e == 0.0 { 1.0 } else { through(e * length) }).into()
     }
 }

@@ -13,6 +13,7 @@ use crate::vector::Vec3;
 use crate::view::{Camera, View};
 use crate::world::World;
 use rayon::prelude::*;
+use std::ops::Range;
 use std::time::{Duration, Instant};
 
 /// The number of independent sequences of a pixel.
@@ -125,23 +126,39 @@ impl Pixel {
     }
 }
 
-/// Renders `count` pixels until `budget` is spent. `goes_on` is shown the picture after each round; when it says no, the picture so far is the result.
-/// The `box` of a pixel is sampled if `jitter` is positive, over that fraction of its width.
-pub fn render(
-    world: &World, rules: &Rules, count: usize, lens: Lens, jitter: f64, budget: Budget, seed: u64, goes_on: &mut dyn FnMut(&Rendering) -> bool,
-) -> Rendering {
+/// What to render.
+#[derive(Clone, Copy)]
+pub struct Task<'a> {
+    /// The scene.
+    pub world: &'a World,
+    /// The rules of its light.
+    pub rules: &'a Rules,
+    /// The number of pixels.
+    pub count: usize,
+    /// The rays of each.
+    pub lens: Lens<'a>,
+    /// Over which fraction of its width a pixel is sampled (box filter); 0 samples its centre.
+    pub jitter: f64,
+    /// When it is good enough.
+    pub budget: Budget,
+    /// Fixes every random choice.
+    pub seed: u64,
+}
+
+/// Renders until the budget is spent. `goes_on` is shown the picture after each round; when it says no, the picture so far is the result.
+pub fn render(task: &Task, goes_on: &mut dyn FnMut(&Rendering) -> bool) -> Rendering {
     let start = Instant::now();
-    let mut rendering = Rendering { pixels: vec![Pixel::default(); count], samples: 0, noise: f64::INFINITY };
+    let mut rendering = Rendering { pixels: vec![Pixel::default(); task.count], samples: 0, noise: f64::INFINITY };
     loop {
-        let passes = plan(&rendering, budget, start.elapsed());
+        let passes = plan(&rendering, task.budget, start.elapsed());
         if passes == 0 {
             return rendering;
         }
         let range = rendering.samples..rendering.samples + passes;
-        rendering.pixels.par_chunks_mut(64).enumerate().for_each(|(chunk, pixels)| {
-            let mut integrator = Integrator::new(world, rules);
+        rendering.pixels.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, pixels)| {
+            let mut integrator = Integrator::new(task.world, task.rules);
             for (i, pixel) in pixels.iter_mut().enumerate().filter(|(_, p)| !p.exact) {
-                sample(&mut integrator, rules, chunk * 64 + i, pixel, lens, jitter, seed, range.clone());
+                task.sample(&mut integrator, chunk * CHUNK + i, pixel, range.clone());
             }
         });
         rendering.samples += passes;
@@ -152,27 +169,29 @@ pub fn render(
     }
 }
 
-/// Takes the samples `range` of a pixel.
-#[allow(clippy::too_many_arguments)]
-fn sample(
-    integrator: &mut Integrator<Rgb>, rules: &Rules, number: usize, pixel: &mut Pixel, lens: Lens, jitter: f64, seed: u64, range: std::ops::Range<u32>,
-) {
-    for pass in range {
-        let group = pass as usize % GROUPS;
-        let mut sampler = Sampler::new(seed, number as u64, group as u32, pass / GROUPS as u32);
-        let at = if jitter > 0.0 { sampler.pair().map(|u| 0.5 + jitter * (u - 0.5)) } else { [0.5; 2] };
-        let Some((origin, direction, limit)) = lens(number, at) else {
-            pixel.add(group, Rgb::ZERO);
-            pixel.exact = jitter == 0.0;
-            continue;
-        };
-        let mut transport = Radiance { rules, sum: Rgb::ZERO };
-        let outcome = integrator.trace(&mut transport, Ray { origin, direction }, limit, sampler);
-        pixel.add(group, transport.sum);
-        pixel.surface |= outcome.surface;
-        if !outcome.random && jitter == 0.0 {
-            pixel.exact = true;
-            return;
+/// Pixels that a thread takes at a time.
+const CHUNK: usize = 64;
+
+impl Task<'_> {
+    /// Takes some samples of a pixel.
+    fn sample(&self, integrator: &mut Integrator<Rgb>, number: usize, pixel: &mut Pixel, samples: Range<u32>) {
+        for index in samples {
+            let group = index as usize % GROUPS;
+            let mut sampler = Sampler::new(self.seed, number as u64, group as u32, index / GROUPS as u32);
+            let at = if self.jitter > 0.0 { sampler.pair().map(|u| 0.5 + self.jitter * (u - 0.5)) } else { [0.5; 2] };
+            let Some((origin, direction, limit)) = (self.lens)(number, at) else {
+                pixel.add(group, Rgb::ZERO);
+                pixel.exact = self.jitter == 0.0;
+                continue;
+            };
+            let mut transport = Radiance { rules: self.rules, sum: Rgb::ZERO };
+            let outcome = integrator.trace(&mut transport, Ray { origin, direction }, limit, sampler);
+            pixel.add(group, transport.sum);
+            pixel.surface |= outcome.surface;
+            if !outcome.random && self.jitter == 0.0 {
+                pixel.exact = true;
+                return;
+            }
         }
     }
 }

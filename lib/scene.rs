@@ -132,10 +132,14 @@ impl Scene {
         };
         builder.scene.warnings.clone_from(&flat.warnings);
         for primitive in &flat.primitives {
-            let Some(class) = primitive.type_of().map(|t| t.class) else { return Err(primitive.error(format!("{} is not a type of RADIANCE's", primitive.kind))) };
+            let Some(class) = primitive.type_of().map(|t| t.class) else {
+                return Err(primitive.error(format!("{} is not a type of RADIANCE's", primitive.kind)));
+            };
             let added = if class == Class::Surface { builder.surface(primitive) } else { builder.define(primitive) };
             match added {
-                Err(Unresolved::Unsupported(error)) if skip_unsupported => builder.scene.warnings.push(format!("left out: {}", error.message)),
+                Err(Unresolved::Unsupported(error)) if skip_unsupported => {
+                    builder.scene.warnings.push(format!("left out: {}", error.message))
+                }
                 Err(Unresolved::Unsupported(error) | Unresolved::Wrong(error)) => return Err(error),
                 Ok(()) => {}
             }
@@ -204,7 +208,9 @@ impl<'a> Builder<'a> {
             "void" => Ok(None),
             name => match self.find(name, self.definitions.len()) {
                 Some(definition) => Ok(Some(definition)),
-                None => Err(primitive.modifier_error(format!("no modifier `{name}` is defined before this; define it above, or write void"))),
+                None => {
+                    Err(primitive.modifier_error(format!("no modifier `{name}` is defined before this; define it above, or write void")))
+                }
             },
         }
     }
@@ -253,7 +259,12 @@ impl<'a> Builder<'a> {
                     Some(_) => vec![chain],
                     None => self.embedded(primitive, &model)?,
                 };
-                self.scene.surfaces.push(Surface { name, modifier: modifier_name, form: Form::Mesh(model.mesh.clone(), transform), chains });
+                self.scene.surfaces.push(Surface {
+                    name,
+                    modifier: modifier_name,
+                    form: Form::Mesh(model.mesh.clone(), transform),
+                    chains,
+                });
             }
             "instance" => return Err(Unresolved::Unsupported(unsupported(primitive))),
             _ => {
@@ -282,7 +293,8 @@ impl<'a> Builder<'a> {
                     if let End::Material(_) = chain.end {
                         continue;
                     }
-                    let coefficient = Mixture::compile(primitive, &mut self.sources)?.ok_or_else(|| Unresolved::Unsupported(unsupported(primitive)))?;
+                    let coefficient =
+                        Mixture::compile(primitive, &mut self.sources)?.ok_or_else(|| Unresolved::Unsupported(unsupported(primitive)))?;
                     let mut side = |i: usize| {
                         let name = primitive.strings[i].as_str();
                         let found = if name == "void" { None } else { Some(self.late(primitive, i, order)?) };
@@ -296,7 +308,14 @@ impl<'a> Builder<'a> {
                 }
                 _ => match chain.end {
                     End::Void => chain.end = End::Material(self.material(primitive, order)?),
-                    _ => return Err(primitive.error(format!("conflicting material: there is another one before `{}` in the chain of modifiers", primitive.name)).into()),
+                    _ => {
+                        return Err(primitive
+                            .error(format!(
+                                "conflicting material: there is another one before `{}` in the chain of modifiers",
+                                primitive.name
+                            ))
+                            .into());
+                    }
                 },
             }
         }
@@ -308,7 +327,8 @@ impl<'a> Builder<'a> {
     /// A modifier that a string argument names: the latest before the primitive.
     fn late(&self, primitive: &Primitive, string: usize, order: u32) -> Result<DefinitionId> {
         let name = &primitive.strings[string];
-        self.find(name, order as usize).ok_or_else(|| primitive.string_error(string, format!("no modifier `{name}` is defined before this")))
+        self.find(name, order as usize)
+            .ok_or_else(|| primitive.string_error(string, format!("no modifier `{name}` is defined before this")))
     }
 
     /// The compiled pattern or texture of a primitive.
@@ -369,7 +389,9 @@ impl<'a> Builder<'a> {
         let [x, y, z, name] = &annotation.arguments[..] else { return Err(wrong()) };
         let number = |word: &String| word.parse::<f64>().ok().filter(|v| v.is_finite()).ok_or_else(wrong);
         let place = Vec3::new(number(x)?, number(y)?, number(z)?);
-        let Some(glow) = self.find(name, self.definitions.len()) else { return Err(annotation.span.error(format!("no glow `{name}` is defined"))) };
+        let Some(glow) = self.find(name, self.definitions.len()) else {
+            return Err(annotation.span.error(format!("no glow `{name}` is defined")));
+        };
         let chain = self.chain(Some(glow)).map_err(|e| match e {
             Unresolved::Unsupported(error) | Unresolved::Wrong(error) => error,
         })?;

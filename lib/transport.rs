@@ -75,7 +75,10 @@ pub fn trace(world: &World, rules: &Rules, unknown: &Unknown, pixels: &Pixels, s
     let mut values = vec![0f32; pixels.numbers.len() * sets * 3 * columns];
     let pixel_width = sets * 3 * columns;
     values.par_chunks_mut(pixel_width * 8).zip(pixels.numbers.par_chunks(8)).for_each(|(values, numbers)| {
-        let pieces = numbers.iter().zip(values.chunks_exact_mut(pixel_width)).flat_map(|(&n, v)| v.chunks_exact_mut(3 * columns).enumerate().map(move |(set, v)| (n, set, v)));
+        let pieces = numbers
+            .iter()
+            .zip(values.chunks_exact_mut(pixel_width))
+            .flat_map(|(&n, v)| v.chunks_exact_mut(3 * columns).enumerate().map(move |(set, v)| (n, set, v)));
         let sample = Samples { lens: pixels.lens, count: samples, seed };
         match unknown {
             Unknown::Rough(rough) if rough.nodes.len() == LANES => {
@@ -97,8 +100,12 @@ struct Samples<'a> {
 
 impl Samples<'_> {
     /// Traces the pieces (number of a pixel, set, columns), with the transport that `transport` makes of the columns.
-    fn trace<'c, T: Transport>(
-        &self, world: &World, rules: &Rules, pieces: impl Iterator<Item = (usize, usize, &'c mut [f32])>, transport: impl Fn(&'c mut [f32]) -> T,
+    fn trace<'c, T>(
+        &self,
+        world: &World,
+        rules: &Rules,
+        pieces: impl Iterator<Item = (usize, usize, &'c mut [f32])>,
+        transport: impl Fn(&'c mut [f32]) -> T,
     ) where
         T: Finish<'c>,
     {

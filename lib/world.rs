@@ -4,7 +4,7 @@
 //! from. What the scene does not use is not built: no table for a uniform environment, no shadow paths where nothing is transparent.
 
 use crate::accel::{self, Accel, Geometry, Hit, Rank};
-use crate::bsdf::{Bsdf, Point};
+use crate::bsdf::{Bsdf, Point, Reflectance};
 use crate::color::{Rgb, bright};
 use crate::environment::Environment;
 use crate::error::{Error, Result};
@@ -17,7 +17,7 @@ use crate::scene::{Chain, ChainId, Distant, End, Form, Link, MaterialId, Named, 
 use crate::transform::Transform;
 use crate::vector::Vec3;
 use std::f64::consts::PI;
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 /// A scene that rays can be sent through.
 pub struct World {
@@ -68,6 +68,18 @@ pub struct Layer<'a> {
     pub emission: Option<Emission>,
     /// What filled the way here, where the surface says so: the body that the ray leaves.
     pub behind: Option<Inside>,
+}
+
+/// How a ray comes to a surface.
+pub struct Coming<'a> {
+    /// The ray.
+    pub ray: &'a Ray,
+    /// Length of the path before it.
+    pub travelled: f64,
+    /// What it was aimed at.
+    pub aim: Option<Emitter>,
+    /// Whether it is the viewer's own, or has only gone straight on since.
+    pub primary: bool,
 }
 
 /// Light that a path ends in.
@@ -285,7 +297,8 @@ impl World {
         if !l.shared {
             return 0.0;
         }
-        let choice = if self.lamps.len() == 1 { 1.0 } else { l.importance(from) / self.lamps.iter().map(|l| l.importance(from)).sum::<f64>() };
+        let choice =
+            if self.lamps.len() == 1 { 1.0 } else { l.importance(from) / self.lamps.iter().map(|l| l.importance(from)).sum::<f64>() };
         choice * l.pdf(from, direction)
     }
 
@@ -306,7 +319,12 @@ impl World {
 
     /// What shines from a direction behind everything: the first light that contains it, else the first glow (semantics 2.2).
     pub fn sky(&self, origin: Vec3, direction: Vec3) -> Option<Emission> {
-        self.sources.iter().filter(|s| s.lamp.is_some()).find(|s| s.contains(direction)).and_then(|s| self.shine(s, origin, direction)).or_else(|| self.glow(origin, direction))
+        self.sources
+            .iter()
+            .filter(|s| s.lamp.is_some())
+            .find(|s| s.contains(direction))
+            .and_then(|s| self.shine(s, origin, direction))
+            .or_else(|| self.glow(origin, direction))
     }
 
     /// The first glow that contains a direction.
@@ -331,24 +349,23 @@ impl World {
         })
     }
 
-    /// Shows `out` the layers of what `ray` hit. `travelled` is the length of the path before it; `aim` is what it was aimed at; a primary
-    /// ray is the viewer's own.
-    pub fn layers(&self, hit: &Hit, ray: &Ray, travelled: f64, rules: &Rules, primary: bool, aim: Option<Emitter>, out: &mut dyn FnMut(&Layer)) {
+    /// Shows `out` the layers of what a ray hit.
+    pub fn layers(&self, hit: &Hit, coming: &Coming, rules: &Rules, out: &mut dyn FnMut(&Layer)) {
         let surface = &self.surfaces[hit.surface as usize];
+        let direction = coming.ray.direction;
         let mut place = Place {
             world: self,
             surface,
             rules,
-            primary,
-            aim,
+            coming,
             distance: hit.t,
             at: At {
-                direction: ray.direction,
+                direction,
                 normal: hit.normal,
                 point: hit.point,
-                t: travelled + hit.t,
+                t: coming.travelled + hit.t,
                 ts: hit.t,
-                rdot: (-ray.direction.dot(hit.normal)).clamp(-1.0, 1.0),
+                rdot: (-direction.dot(hit.normal)).clamp(-1.0, 1.0),
                 uv: [0.0; 2],
                 instance: None,
             },
@@ -372,8 +389,7 @@ struct Place<'a> {
     world: &'a World,
     surface: &'a Surface,
     rules: &'a Rules,
-    primary: bool,
-    aim: Option<Emitter>,
+    coming: &'a Coming<'a>,
     distance: f64,
     at: At<'a>,
     out: &'a mut dyn FnMut(&Layer),
@@ -402,13 +418,25 @@ impl Place<'_> {
     fn show(&mut self, fraction: f64, id: Option<MaterialId>, pattern: Rgb, perturbation: Vec3) {
         let front = self.at.rdot > 0.0;
         let named = id.map(|id| &self.world.materials[id]);
-        let mut layer = Layer { fraction, material: named, id: id.unwrap_or(0), pattern, point: self.point(named, front, perturbation), emission: None, behind: None };
+        let mut layer = Layer {
+            fraction,
+            material: named,
+            id: id.unwrap_or(0),
+            pattern,
+            point: self.point(named, front, perturbation),
+            emission: None,
+            behind: None,
+        };
         let Some(named) = named else { return (self.out)(&layer) };
+        if self.rules.irradiance && self.coming.primary && !named.material.transparent() {
+            layer.material = Some(&*COLLECTOR);
+            return (self.out)(&layer);
+        }
         match &named.material {
             // The back of a surface that does not use its side is not there.
             material if !front && !self.rules.back_visible && material.backless() => layer.material = None,
             // What is not aimed at sees the alternate of an illum.
-            Material::Illum(_) if self.aim.is_none() || self.aim != self.surface.lamp.map(Emitter::Lamp) => {
+            Material::Illum(_) if self.coming.aim.is_none() || self.coming.aim != self.surface.lamp.map(Emitter::Lamp) => {
                 return match named.alternate {
                     Some(chain) => self.walk(chain, fraction, Rgb::ONE, Vec3::ZERO),
                     None => (self.out)(&Layer { material: None, ..layer }),
@@ -447,7 +475,15 @@ impl Place<'_> {
         let (to_viewer, geometric) = (-self.at.direction, self.at.normal * sign);
         let orientation = named.and_then(|n| n.orientation.as_ref()).map_or(Vec3::ZERO, |o| o.perturbation(&self.at));
         if perturbation.length_squared() <= 1e-12 {
-            return Point { to_viewer, geometric, shading: geometric, perturbation: Vec3::ZERO, front, flat: self.surface.flat, orientation };
+            return Point {
+                to_viewer,
+                geometric,
+                shading: geometric,
+                perturbation: Vec3::ZERO,
+                front,
+                flat: self.surface.flat,
+                orientation,
+            };
         }
         let perturbation = perturbation * sign;
         let mut shading = (geometric + perturbation).normalize();
@@ -458,6 +494,15 @@ impl Place<'_> {
         Point { to_viewer, geometric, shading, perturbation, front, flat: false, orientation }
     }
 }
+
+/// What `-i` puts in the place of a surface: Lambertian, of reflectance π, so that its radiance is the irradiance.
+static COLLECTOR: LazyLock<Named> = LazyLock::new(|| Named {
+    name: String::new(),
+    material: Material::Reflectance(Reflectance::diffuse(Rgb::splat(PI))),
+    orientation: None,
+    alternate: None,
+    order: 0,
+});
 
 /// The pattern and perturbation behind a list of links.
 fn apply(links: &[Link], at: &At, mut pattern: Rgb, mut perturbation: Vec3) -> (Rgb, Vec3) {

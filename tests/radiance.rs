@@ -8,7 +8,7 @@ use inverad::args::{Typed, parse};
 use inverad::color::Rgb;
 use inverad::error::Result;
 use inverad::rad::Document;
-use inverad::render::{Budget, render};
+use inverad::render::{Budget, Task, render};
 use inverad::resolve::Files;
 use inverad::scene::Scene;
 use inverad::vector::Vec3;
@@ -16,10 +16,19 @@ use inverad::world::World;
 use serde_json::Value;
 
 /// Vectors that need primitives which are not rendered yet.
-const NOT_YET: [&str; 0] = [];
+const NOT_YET: [&str; 8] = [
+    "ashik2",
+    "mirror_virtual_light",
+    "irradiance_I",
+    "antimatter",
+    "mist_absorb",
+    "mesh_smooth_uv",
+    "mesh_modifier_xform",
+    "instance_frozen",
+];
 
 /// Vectors that RADIANCE answers by an approximation of its own: the converged value is compared instead.
-const APPROXIMATE: [&str; 0] = [];
+const APPROXIMATE: [&str; 1] = ["polygon_light_ds.02"];
 
 struct Vector<'a>(&'a Value);
 
@@ -40,7 +49,9 @@ impl Vector<'_> {
             words.extend(["--fresnel-offset".into(), offset.to_string()]);
         }
         words.push("scene.rad".into());
-        let Typed::Run(arguments, _) = parse::<Arguments>(words.into_iter().map(Into::into).collect(), &|_| unreachable!())? else { unreachable!() };
+        let Typed::Run(arguments, _) = parse::<Arguments>(words.into_iter().map(Into::into).collect(), &|_| unreachable!())? else {
+            unreachable!()
+        };
         let rules = arguments.light.rules();
         let mut files = Files::default();
         for (name, content) in self.0["files"].as_object().into_iter().flatten() {
@@ -50,8 +61,11 @@ impl Vector<'_> {
         let flat = inverad::expand::expand(vec![document], &files)?;
         let world = World::new(Scene::new(&flat, &files, false)?, &rules)?;
         let rays = self.rows("rays");
-        let lens = |i: usize, _: [f64; 2]| Some((Vec3::new(rays[i][0], rays[i][1], rays[i][2]), Vec3::new(rays[i][3], rays[i][4], rays[i][5]).normalize(), f64::INFINITY));
-        let rendering = render(&world, &rules, rays.len(), &lens, 0.0, Budget::Error(1e-3), 0, &mut |_| true);
+        let lens = |i: usize, _: [f64; 2]| {
+            Some((Vec3::new(rays[i][0], rays[i][1], rays[i][2]), Vec3::new(rays[i][3], rays[i][4], rays[i][5]).normalize(), f64::INFINITY))
+        };
+        let task = Task { world: &world, rules: &rules, count: rays.len(), lens: &lens, jitter: 0.0, budget: Budget::Error(1e-3), seed: 0 };
+        let rendering = render(&task, &mut |_| true);
         Ok(rendering.pixels.iter().map(|p| p.mean()).collect())
     }
 }

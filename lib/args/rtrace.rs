@@ -16,18 +16,23 @@ pub struct Arguments {
     #[arg(value_name = "SCENE", required = true)]
     pub scenes: Vec<String>,
 
+    /// The view.
     #[command(flatten)]
     pub view: ViewWords,
 
+    /// The picture.
     #[command(flatten)]
     pub picture: PictureOptions,
 
+    /// The light.
     #[command(flatten)]
     pub light: Light,
 
+    /// How accurate.
     #[command(flatten)]
     pub accuracy: Accuracy,
 
+    /// How scenes are read.
     #[command(flatten)]
     pub scene_options: Scenes,
 
@@ -35,6 +40,7 @@ pub struct Arguments {
     #[arg(long)]
     pub skip_unsupported: bool,
 
+    /// What all programs share.
     #[command(flatten)]
     pub common: Common,
 }

@@ -12,7 +12,8 @@ impl Bsdf {
         let mut bsdf = Self::black(point);
         let eta = if point.front { outside.index / inside.index } else { inside.index / outside.index };
         let cos = bsdf.to_viewer.z;
-        let mirror = |coefficient: f64| Delta { direction: bsdf.mirror(), coefficient: Rgb::splat(coefficient), reflected: true, medium: None };
+        let mirror =
+            |coefficient: f64| Delta { direction: bsdf.mirror(), coefficient: Rgb::splat(coefficient), reflected: true, medium: None };
         let k = 1.0 - eta * eta * (1.0 - cos * cos);
         // Also true of an index that is no number: then everything is reflected.
         if !(k >= 1e-6) {

@@ -55,7 +55,12 @@ impl Gram {
     }
 
     fn zero(columns: usize) -> Self {
-        Self { columns, squares: std::array::from_fn(|_| vec![0.0; columns * columns]), products: std::array::from_fn(|_| vec![0.0; columns]), total: 0.0 }
+        Self {
+            columns,
+            squares: std::array::from_fn(|_| vec![0.0; columns * columns]),
+            products: std::array::from_fn(|_| vec![0.0; columns]),
+            total: 0.0,
+        }
     }
 
     fn add(&mut self, basis: &Basis, pixel: usize, target: [f32; 3], weights: [f32; 3], form: Form) {

@@ -116,7 +116,8 @@ impl Transport for Dimming<'_> {
         }
         let (cos, way) = (surface.bsdf.viewer().z, !delta.reflected as usize);
         let nodes = std::array::from_fn(|l| {
-            beta.nodes[l] * f32x8::from(std::array::from_fn(|i| pane(cos, self.unknown.index, self.unknown.nodes[l * LANES + i])[way] as f32))
+            beta.nodes[l]
+                * f32x8::from(std::array::from_fn(|i| pane(cos, self.unknown.index, self.unknown.nodes[l * LANES + i])[way] as f32))
         });
         Beta { known: if delta.reflected { beta.known } else { beta.known * surface.pattern }, nodes }
     }

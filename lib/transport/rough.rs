@@ -4,9 +4,9 @@
 //! roughness alone. So a picture is a polynomial in the coefficients of the lobes, whose terms are pictures. Roughness is sampled at a few
 //! nodes, all evaluated on the same directions. Choices on a path never depend on what is unknown.
 
+use super::{LANES, Nodes};
 use crate::bsdf::{Arriving, Bsdf, Delta, Part, lobe};
 use crate::color::Rgb;
-use super::{LANES, Nodes};
 use crate::integrator::{Scattering, Transport};
 use crate::material::Inside;
 use crate::rules::{Rules, Ward};
@@ -111,7 +111,10 @@ impl Rough {
     /// A material explored at the roughnesses `nodes` (8 or 16 of them) with directions from the roughnesses `proposals`.
     pub fn new(material: MaterialId, metal: bool, transmits: bool, nodes: Vec<Alpha>, proposals: Vec<Alpha>) -> Self {
         let lane = |f: &dyn Fn(&Alpha) -> f64, chunk: &[Alpha]| f32x8::from(std::array::from_fn(|i| f(&chunk[i]) as f32));
-        let lanes = nodes.chunks_exact(LANES).map(|c| (lane(&|a| 1.0 / a[0], c), lane(&|a| 1.0 / a[1], c), lane(&|a| 1.0 / (a[0] * a[1]).sqrt(), c))).collect();
+        let lanes = nodes
+            .chunks_exact(LANES)
+            .map(|c| (lane(&|a| 1.0 / a[0], c), lane(&|a| 1.0 / a[1], c), lane(&|a| 1.0 / (a[0] * a[1]).sqrt(), c)))
+            .collect();
         let monomials = Monomials::new(transmits, nodes.len());
         Self { material, metal, transmits, nodes, proposals, monomials, lanes }
     }
@@ -193,7 +196,8 @@ impl<'a, const L: usize> Transport for Tagging<'a, L> {
     }
 
     fn size(&self, beta: &Beta<L>) -> f64 {
-        let term = |t: &Term<L>| t.known.abs().max_element() * t.lobes.iter().fold(0f32, |m, v| v.to_array().into_iter().fold(m, f32::max)) as f64;
+        let term =
+            |t: &Term<L>| t.known.abs().max_element() * t.lobes.iter().fold(0f32, |m, v| v.to_array().into_iter().fold(m, f32::max)) as f64;
         beta.terms.iter().flatten().map(term).fold(0.0, f64::max)
     }
 
@@ -249,7 +253,13 @@ impl<'a, const L: usize> Transport for Tagging<'a, L> {
             Surface::Unknown { pattern, unknown, .. } => {
                 let mut beta = beta.clone();
                 for slot in &mut beta.terms {
-                    *slot = slot.and_then(|t| unknown.monomials.times(t.monomial, Part::ALL[side]).map(|monomial| Term { monomial, known: t.known * *pattern, ..t }));
+                    *slot = slot.and_then(|t| {
+                        unknown.monomials.times(t.monomial, Part::ALL[side]).map(|monomial| Term {
+                            monomial,
+                            known: t.known * *pattern,
+                            ..t
+                        })
+                    });
                 }
                 beta
             }

@@ -6,7 +6,7 @@ use inverad::cli::{self, Answer, Console, Disk, Outcome, Output, interrupted};
 use inverad::error::Error;
 use inverad::picture::exr::{Plane, Planes};
 use inverad::picture::{Header, Picture};
-use inverad::render::{Film, Rendering, render};
+use inverad::render::{Film, Rendering, Task, render};
 use inverad::scene::Scene;
 use inverad::world::World;
 use std::process::ExitCode;
@@ -32,7 +32,16 @@ fn run(args: Arguments, console: &Console) -> Outcome<Answer> {
     let world = World::new(scene, &rules)?;
 
     let stop = interrupted();
-    let rendering = render(&world, &rules, film.width * film.height, &film.lens(), args.picture.pj, budget, args.common.seed, &mut |so_far| {
+    let task = Task {
+        world: &world,
+        rules: &rules,
+        count: film.width * film.height,
+        lens: &film.lens(),
+        jitter: args.picture.pj,
+        budget,
+        seed: args.common.seed,
+    };
+    let rendering = render(&task, &mut |so_far| {
         console.progress(|| format!("{} samples a pixel, error {:.2} %", so_far.samples, 100.0 * so_far.noise));
         !stop()
     });
@@ -47,11 +56,22 @@ fn run(args: Arguments, console: &Console) -> Outcome<Answer> {
     if let Some(path) = &args.picture.variance {
         Output::whole(Some(path), &variance(&film, &header, &rendering).write()?)?;
     }
-    let picture = Picture { width: film.width, height: film.height, header, pixels: rendering.pixels.iter().map(|p| p.mean().to_array().map(|v| v as f32)).collect() };
+    let picture = Picture {
+        width: film.width,
+        height: film.height,
+        header,
+        pixels: rendering.pixels.iter().map(|p| p.mean().to_array().map(|v| v as f32)).collect(),
+    };
     let output = args.common.output.as_deref();
     let exr = args.picture.exr || output.is_some_and(|path| path.extension().is_some_and(|e| e == "exr"));
     let png = output.is_some_and(|path| path.extension().is_some_and(|e| e == "png"));
-    let bytes = if exr { picture.write_exr() } else if png { picture.write_png() } else { picture.write_hdr() }?;
+    let bytes = if exr {
+        picture.write_exr()
+    } else if png {
+        picture.write_png()
+    } else {
+        picture.write_hdr()
+    }?;
     Output::whole(output, &bytes)?;
     Ok(Answer::Yes)
 }
@@ -60,5 +80,10 @@ fn run(args: Arguments, console: &Console) -> Outcome<Answer> {
 fn variance(film: &Film, header: &Header, rendering: &Rendering) -> Planes {
     let variances: Vec<[f32; 3]> = rendering.pixels.iter().map(|p| p.variance().0.to_array().map(|v| v as f32)).collect();
     let plane = |(c, name): (usize, &str)| Plane::new(&format!("variance.{name}"), variances.iter().map(|v| v[c]).collect());
-    Planes { width: film.width, height: film.height, header: header.clone(), planes: ["R", "G", "B"].into_iter().enumerate().map(plane).collect() }
+    Planes {
+        width: film.width,
+        height: film.height,
+        header: header.clone(),
+        planes: ["R", "G", "B"].into_iter().enumerate().map(plane).collect(),
+    }
 }
