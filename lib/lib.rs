@@ -16,6 +16,7 @@ pub mod color;
 pub mod error;
 pub mod expand;
 pub mod geometry;
+pub mod import;
 pub mod picture;
 pub mod rad;
 pub mod resolve;
