@@ -67,6 +67,11 @@ pub struct Recovery {
 }
 
 impl Recovery {
+    /// Whether the noise of the rendering hardly matters any more.
+    fn settled(&self) -> bool {
+        (0..self.values.len()).all(|i| self.own.at(i, i) <= 0.15 * self.covariance.at(i, i))
+    }
+
     /// The standard error of each value.
     pub fn errors(&self) -> Vec<f64> {
         (0..self.values.len()).map(|i| self.covariance.at(i, i).max(0.0).sqrt()).collect()

@@ -8,10 +8,10 @@ use super::{Effort, Evidence, Recovery};
 use crate::anneal::{Annealer, Options};
 use crate::anneal::linear::Symmetric;
 use crate::error::Result;
+use crate::sampling::mix64;
 use crate::scene::MaterialId;
 use crate::transport::{self, Basis, Pixels, Rough};
 use crate::unknown::Unknown;
-use std::time::Instant;
 
 /// The smallest roughness that a node stands for; below it a lobe is hardly to be told from a mirror's.
 const SMOOTHEST: f64 = 0.002;
@@ -37,9 +37,9 @@ impl<'a> Stage<'a> {
         Self { evidence, unknown, kind, grid, what: transport::Unknown::Rough(rough) }
     }
 
-    fn trace(&self, pixels: &[usize], sets: usize, samples: u32, seed: u64) -> Basis {
-        let lens = self.evidence.film.lens();
-        transport::trace(self.evidence.world, self.evidence.rules, &self.what, &Pixels { numbers: pixels, lens: &lens }, sets, samples, seed)
+    fn trace(&self, pixels: &[usize], samples: &[u32], seed: u64) -> Basis {
+        let pixels = Pixels { numbers: pixels, samples, lens: &self.evidence.film.lens() };
+        transport::trace(self.evidence.world, self.evidence.rules, &self.what, &pixels, 2, seed)
     }
 
     /// The coefficients of the columns for values of the parameters.
@@ -55,8 +55,8 @@ fn geometric(low: f64, high: f64, count: usize) -> Vec<f64> {
 }
 
 /// Nodes in the ratio `ratio` around `middle`.
-fn around(middle: f64, ratio: f64) -> Vec<f64> {
-    (0..transport::LANES).map(|i| middle * ratio.powf(i as f64 - (transport::LANES - 1) as f64 / 2.0)).collect()
+fn around(middle: f64, ratio: f64, count: usize) -> Vec<f64> {
+    (0..count).map(|i| middle * ratio.powf(i as f64 - (count - 1) as f64 / 2.0)).collect()
 }
 
 /// Recovers the numbers.
@@ -74,77 +74,120 @@ pub fn recover(evidence: &Evidence, unknown: &Unknown, material: MaterialId, pix
     // A first look at all roughnesses.
     tell("first look");
     let stage = Stage::new(evidence, unknown, material, kind, geometric(low, high, COARSE), &geometric(low.max(0.004), high, 5));
-    let basis = stage.trace(pixels, 2, 4, effort.seed);
+    let basis = stage.trace(pixels, &vec![FIRST_SAMPLES; pixels.len()], effort.seed);
     let gram = Gram::new(&basis, &sheet.target, &sheet.relative(), Form::Whole);
     let problem = Problem { gram: &gram, coefficients: &|v| stage.coefficients(v), bounds: &bounds };
     let mut best = search(&problem, unknown, effort.seed, &stage.grid, slot)?;
 
-    // A closer one at those that are left.
-    let roughness = |p: &Point| unknown.reals(&p.values)[4].max(SMOOTHEST);
-    for round in 0..4 {
-        tell("closer look");
+    // Closer looks at what is left of them, each around the answer of the one before, until it stays well inside.
+    let roughness = |p: &Point| unknown.reals(&p.values)[4].abs().max(SMOOTHEST);
+    let mut seeds = Seeds(effort.seed);
+    let mut last = false;
+    for look in 1.. {
+        tell(&format!("look {look}: {:.4?}", best.values));
         let middle = roughness(&best);
-        let stage = Stage::new(evidence, unknown, material, kind, around(middle, 1.3), &[middle * 0.5, middle, middle * 2.0]);
-        let basis = stage.trace(pixels, 2, 8, effort.seed ^ (round + 1) << 32);
-        let x = stage.coefficients(&best.values);
-        let gram = Gram::new(&basis, &sheet.target, &sheet.by_variance(&pictures(&basis, &x), 8.0), Form::Whole);
-        let problem = Problem { gram: &gram, coefficients: &|v| stage.coefficients(v), bounds: &bounds };
-        best = problem.polish(&best.values, &vec![true; bounds.len()]);
-        let a = roughness(&best);
-        if a > stage.grid[1] && a < stage.grid[transport::LANES - 2] {
-            break;
-        }
-    }
-
-    // The last look, with as many samples as the answer or the time allows.
-    let middle = roughness(&best);
-    let stage = Stage::new(evidence, unknown, material, kind, around(middle, 1.15), &[middle * 0.8, middle * 1.3]);
-    let mut sum: Option<(Basis, u32)> = None;
-    loop {
-        let done = sum.as_ref().map_or(0, |(_, n)| *n);
-        tell(&format!("last look, {} samples", 2 * done));
-        let more = if done == 0 { 16 } else { 8 };
-        let start = Instant::now();
-        let fresh = stage.trace(pixels, 2, more, effort.seed ^ (done as u64 + 100) << 32);
-        let took = start.elapsed();
-        let (basis, samples) = match sum.take() {
-            None => (fresh, more),
-            Some((mut basis, n)) => {
-                let (a, b) = (n as f32 / (n + more) as f32, more as f32 / (n + more) as f32);
-                basis.values.iter_mut().zip(&fresh.values).for_each(|(v, f)| *v = a * *v + b * f);
-                (basis, n + more)
-            }
+        let (nodes, ratio, proposals) = match last {
+            false => (2 * transport::LANES, 1.25, vec![middle * 0.3, middle, middle * 3.0]),
+            true => (transport::LANES, 1.15, vec![middle * 0.8, middle * 1.3]),
         };
-        if Instant::now() + took < effort.until {
-            sum = Some((basis, samples));
-            continue;
+        let mut stage = Stage::new(evidence, unknown, material, kind, around(middle, ratio, nodes), &proposals);
+        stage.economise(&best.values);
+        let found = stage.look(&sheet, &best, &bounds, if last { &LAST_SAMPLES } else { &CLOSE_SAMPLES }, &mut seeds);
+        best = Point { values: found.values.clone(), chi2: found.chi2 };
+        let a = roughness(&best);
+        let inside = slot.is_none() || a >= stage.grid[1] && a <= stage.grid[nodes - 2] || a == SMOOTHEST;
+        if last && inside || look == MOST_LOOKS {
+            return Ok(found);
         }
-        let x = stage.coefficients(&best.values);
-        let weights = sheet.by_variance(&pictures(&basis, &x), samples as f64);
-        return Ok(conclude(&stage, &basis, &sheet, &weights, &best, &bounds));
+        last |= inside;
+    }
+    unreachable!()
+}
+
+/// Looks before the search gives up to keep the answer inside the nodes.
+const MOST_LOOKS: usize = 10;
+
+/// Samples of a pixel in each half, round by round: of a closer look, and of the last one.
+const CLOSE_SAMPLES: [u32; 1] = [16];
+const LAST_SAMPLES: [u32; 3] = [32, 32, 64];
+
+/// A seed for every tracing.
+struct Seeds(u64);
+
+impl Seeds {
+    fn next(&mut self) -> u64 {
+        self.0 = mix64(self.0.wrapping_add(0x9e37_79b9_7f4a_7c15));
+        self.0
     }
 }
 
-/// The values at the bottom of the valley, and their errors.
-fn conclude(stage: &Stage, basis: &Basis, sheet: &Sheet, weights: &Channels, near: &Point, bounds: &[(f64, f64)]) -> Recovery {
-    let gram = Gram::new(basis, &sheet.target, weights, Form::Halves);
-    let problem = Problem { gram: &gram, coefficients: &|v| stage.coefficients(v), bounds };
-    let best = problem.polish(&near.values, &vec![true; bounds.len()]);
-    let x = stage.coefficients(&best.values);
-    let jacobian = problem.jacobian(&best.values);
-    let (_, matrix) = gram.normal_equations(&x, &jacobian);
-    let matrix = Symmetric::of(bounds.len(), |i, j| matrix[i][j]);
-    let shown = pictures(basis, &x);
-    let halves = |x: &[Vec<f64>; 3]| {
-        let sets = pictures(basis, x);
-        (0..sheet.target.len()).map(|p| std::array::from_fn(|c| 0.5 * (sets[0][p][c] + sets[1][p][c]))).collect::<Vec<[f64; 3]>>()
-    };
-    let derivatives: Vec<Vec<[f64; 3]>> = jacobian.iter().map(halves).collect();
-    let unknown = Symmetric::diagonal(&vec![f64::INFINITY; bounds.len()]);
-    let (covariance, own) = covariances(&matrix, &sheet.target, weights, &shown, &derivatives).unwrap_or((unknown.clone(), unknown));
-    let residual = |p: usize, c: usize, set: usize| sheet.target[p][c] as f64 - shown[set][p][c];
-    let chi2 = (0..sheet.target.len()).map(|p| (0..3).map(|c| residual(p, c, 0) * residual(p, c, 1)).sum::<f64>()).sum();
-    Recovery { values: best.values, covariance, own, chi2, pixels: sheet.numbers.len() }
+/// Samples of a pixel at the first look, in each half.
+const FIRST_SAMPLES: u32 = 4;
+
+impl Stage<'_> {
+    /// Samples each part as often as it is worth with these values.
+    fn economise(&mut self, values: &[f64]) {
+        let a = self.unknown.reals(values);
+        let transport::Unknown::Rough(rough) = &mut self.what else { unreachable!() };
+        let color = (a[0] + a[1] + a[2]) / 3.0;
+        let (diffuse, specular) = (color * (1.0 - a[3]), if self.kind.metal { color * a[3] } else { a[3] });
+        let worth = (2.0 * diffuse / specular.max(1e-3)).clamp(0.125, 1.0);
+        rough.rates = [worth, 1.0, if a[4] < 0.05 { worth } else { 1.0 }];
+    }
+
+    /// Traces and fits, round by round, until the noise of the rendering hardly matters.
+    fn look(&self, sheet: &Sheet, near: &Point, bounds: &[(f64, f64)], rounds: &[u32], seeds: &mut Seeds) -> Recovery {
+        let mut best = near.values.clone();
+        let mut basis: Option<Basis> = None;
+        for (round, &samples) in rounds.iter().enumerate() {
+            let mut all = self.trace(sheet.numbers, &vec![samples; sheet.numbers.len()], seeds.next());
+            if let Some(before) = &basis {
+                all.join(before);
+            }
+            let halves = pictures(&all, &self.coefficients(&best));
+            let weights = sheet.by_variance(&halves, &sheet.variance(&halves, &all.samples));
+            let gram = Gram::new(&all, &sheet.target, &weights, Form::Whole);
+            let problem = Problem { gram: &gram, coefficients: &|v| self.coefficients(v), bounds };
+            best = problem.polish(&best, &vec![true; bounds.len()]).values;
+            let found = self.conclude(&all, sheet, &weights, &problem, &best);
+            if round + 1 == rounds.len() || found.settled() {
+                return found;
+            }
+            basis = Some(all);
+        }
+        unreachable!("a look has rounds")
+    }
+
+    /// What the bottom of a valley is worth: the values there, freed of the bias of the rendering's noise, and their covariance.
+    fn conclude(&self, basis: &Basis, sheet: &Sheet, weights: &Channels, problem: &Problem, values: &[f64]) -> Recovery {
+        let count = values.len();
+        let x = self.coefficients(values);
+        let jacobian = problem.jacobian(values);
+        let matrix = problem.gram.normal_equations(&x, &jacobian).1;
+        let matrix = Symmetric::of(count, |i, j| matrix[i][j]);
+        let halves = pictures(basis, &x);
+        let derivatives: Vec<Vec<Vec<[f64; 3]>>> = jacobian.iter().map(|j| pictures(basis, j)).collect();
+        let mean = |d: &Vec<Vec<[f64; 3]>>| (0..sheet.target.len()).map(|p| std::array::from_fn(|c| 0.5 * (d[0][p][c] + d[1][p][c]))).collect();
+        let means: Vec<Vec<[f64; 3]>> = derivatives.iter().map(mean).collect();
+        let nothing = Symmetric::diagonal(&vec![f64::INFINITY; count]);
+        let covariance = covariances(&matrix, &sheet.target, weights, &halves, &means);
+        let (covariance, own) = covariance.unwrap_or((nothing.clone(), nothing));
+        // One step of Newton's with the score of one half against the other: that has no bias, and this matrix is safe.
+        let residual = |p: usize, c: usize, set: usize| sheet.target[p][c] as f64 - halves[set][p][c];
+        let score = |d: &Vec<Vec<[f64; 3]>>| -> f64 {
+            let at = |p: usize, c: usize| weights[p][c] as f64 * 0.5 * (d[0][p][c] * residual(p, c, 1) + d[1][p][c] * residual(p, c, 0));
+            (0..sheet.target.len()).map(|p| (0..3).map(|c| at(p, c)).sum::<f64>()).sum()
+        };
+        let mut values = values.to_vec();
+        if let Some(inverse) = matrix.inverse() {
+            let step = inverse.times(&derivatives.iter().map(score).collect::<Vec<_>>());
+            for (i, s) in step.iter().enumerate() {
+                values[i] = (values[i] + s).clamp(problem.bounds[i].0, problem.bounds[i].1);
+            }
+        }
+        let chi2 = (0..sheet.target.len()).map(|p| (0..3).map(|c| residual(p, c, 0) * residual(p, c, 1)).sum::<f64>()).sum();
+        Recovery { values, covariance, own, chi2, pixels: sheet.numbers.len() }
+    }
 }
 
 /// The deepest valley: annealing inside the bounds, and descents from every roughness in case it was not found.

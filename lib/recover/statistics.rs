@@ -30,24 +30,24 @@ impl<'a> Sheet<'a> {
         Self { evidence, numbers, target, places, level }
     }
 
-    /// For each pixel, the mean of `values` over the pixels at most `reach` away that count; over the others only, if `around`.
-    fn blurred(&self, values: &[[f64; 3]], reach: isize, around: bool) -> Vec<[f64; 3]> {
+    /// For each pixel, the mean of `values` over the pixels at most `reach` away that count.
+    fn blurred(&self, values: &[[f64; 3]], reach: isize) -> Vec<[f64; 3]> {
         let (width, height) = (self.evidence.film.width as isize, self.evidence.film.height as isize);
-        let mean = |(i, &n): (usize, &usize)| {
+        let mean = |&n: &usize| {
             let (x, y) = (n as isize % width, n as isize / width);
             let (mut sum, mut count) = ([0.0; 3], 0.0);
             for v in (y - reach).max(0)..=(y + reach).min(height - 1) {
                 for u in (x - reach).max(0)..=(x + reach).min(width - 1) {
                     let place = self.places[(v * width + u) as usize];
-                    if place != u32::MAX && !(around && place as usize == i) {
+                    if place != u32::MAX {
                         (0..3).for_each(|c| sum[c] += values[place as usize][c]);
                         count += 1.0;
                     }
                 }
             }
-            if count > 0.0 { sum.map(|s| s / count) } else { values[i] }
+            sum.map(|s| s / count)
         };
-        self.numbers.iter().enumerate().map(mean).collect()
+        self.numbers.iter().map(mean).collect()
     }
 
     fn masked(&self, i: usize, weight: [f64; 3]) -> [f32; 3] {
@@ -59,22 +59,20 @@ impl<'a> Sheet<'a> {
     pub fn relative(&self) -> Channels {
         let target: Vec<[f64; 3]> = self.target.iter().map(|t| t.map(f64::from)).collect();
         let floor = 0.1 * self.level;
-        self.blurred(&target, 2, false).into_iter().enumerate().map(|(i, t)| self.masked(i, t.map(|v| (v + floor).powi(-2)))).collect()
+        self.blurred(&target, 2).into_iter().enumerate().map(|(i, t)| self.masked(i, t.map(|v| (v + floor).powi(-2)))).collect()
     }
 
-    /// Weights that go by the variance of a sample: what the pixel's surroundings say of it, so that a pixel's weight and its own error have
-    /// nothing to do with each other. `pictures` are independent estimates, of `samples` samples each.
-    pub fn by_variance(&self, pictures: &[Vec<[f64; 3]>], samples: f64) -> Channels {
-        let n = pictures.len() as f64;
-        let (mut variance, mut mean) = (vec![[0.0; 3]; self.numbers.len()], vec![[0.0; 3]; self.numbers.len()]);
-        for i in 0..self.numbers.len() {
-            for c in 0..3 {
-                let m = pictures.iter().map(|p| p[i][c]).sum::<f64>() / n;
-                mean[i][c] = m;
-                variance[i][c] = pictures.iter().map(|p| (p[i][c] - m).powi(2)).sum::<f64>() / (n - 1.0) * samples;
-            }
-        }
-        let (variance, mean) = (self.blurred(&variance, 2, true), self.blurred(&mean, 2, true));
+    /// The variance of one sample of each pixel, with what its neighbours say of it. `halves` are two independent estimates, of `samples`
+    /// samples each. Glints make it differ by orders of magnitude from pixel to pixel, so the pixel itself must have a say in it.
+    pub fn variance(&self, halves: &[Vec<[f64; 3]>], samples: &[u32]) -> Vec<[f64; 3]> {
+        let own = |(i, &n): (usize, &u32)| std::array::from_fn(|c| 0.5 * (halves[0][i][c] - halves[1][i][c]).powi(2) * n as f64);
+        self.blurred(&samples.iter().enumerate().map(own).collect::<Vec<_>>(), 1)
+    }
+
+    /// Weights that go by the variance of a sample.
+    pub fn by_variance(&self, halves: &[Vec<[f64; 3]>], variance: &[[f64; 3]]) -> Channels {
+        let mean: Vec<[f64; 3]> = halves[0].iter().zip(&halves[1]).map(|(a, b)| std::array::from_fn(|c| 0.5 * (a[c] + b[c]))).collect();
+        let mean = self.blurred(&mean, 2);
         let floor = (0.01 * self.level).powi(2);
         (0..self.numbers.len())
             .map(|i| self.masked(i, std::array::from_fn(|c| 1.0 / (variance[i][c] / TARGET_SAMPLES + (0.02 * mean[i][c]).powi(2) + floor))))
