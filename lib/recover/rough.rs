@@ -3,7 +3,7 @@
 use super::fit::{Point, Problem};
 use super::gram::{Form, Gram};
 use super::model::{Kind, Model, alphas};
-use super::statistics::{Channels, Sheet, covariances, pictures};
+use super::statistics::{Channels, Sheet, covariances, pictures, shares};
 use super::{Effort, Evidence, Recovery};
 use crate::anneal::{Annealer, Options};
 use crate::anneal::linear::Symmetric;
@@ -83,6 +83,7 @@ pub fn recover(evidence: &Evidence, unknown: &Unknown, material: MaterialId, pix
     let roughness = |p: &Point| unknown.reals(&p.values)[4].abs().max(SMOOTHEST);
     let mut seeds = Seeds(effort.seed);
     let mut last = false;
+    let mut shares = vec![1.0; pixels.len()];
     for look in 1.. {
         tell(&format!("look {look}: {:.4?}", best.values));
         let middle = roughness(&best);
@@ -92,7 +93,9 @@ pub fn recover(evidence: &Evidence, unknown: &Unknown, material: MaterialId, pix
         };
         let mut stage = Stage::new(evidence, unknown, material, kind, around(middle, ratio, nodes), &proposals);
         stage.economise(&best.values);
-        let found = stage.look(&sheet, &best, &bounds, if last { &LAST_SAMPLES } else { &CLOSE_SAMPLES }, &mut seeds);
+        let rounds: &[f64] = if last { &LAST_SAMPLES } else { &CLOSE_SAMPLES };
+        let (found, next) = stage.look(&sheet, &best, &bounds, rounds, &shares, &mut seeds);
+        shares = next;
         best = Point { values: found.values.clone(), chi2: found.chi2 };
         let a = roughness(&best);
         let inside = slot.is_none() || a >= stage.grid[1] && a <= stage.grid[nodes - 2] || a == SMOOTHEST;
@@ -108,8 +111,11 @@ pub fn recover(evidence: &Evidence, unknown: &Unknown, material: MaterialId, pix
 const MOST_LOOKS: usize = 10;
 
 /// Samples of a pixel in each half, round by round: of a closer look, and of the last one.
-const CLOSE_SAMPLES: [u32; 1] = [16];
-const LAST_SAMPLES: [u32; 3] = [32, 32, 64];
+const CLOSE_SAMPLES: [f64; 1] = [16.0];
+const LAST_SAMPLES: [f64; 3] = [16.0, 16.0, 32.0];
+
+/// The fewest and the most samples of a pixel in each half of a round, whatever its share.
+const SAMPLES: (f64, f64) = (4.0, 1024.0);
 
 /// A seed for every tracing.
 struct Seeds(u64);
@@ -136,22 +142,24 @@ impl Stage<'_> {
     }
 
     /// Traces and fits, round by round, until the noise of the rendering hardly matters.
-    fn look(&self, sheet: &Sheet, near: &Point, bounds: &[(f64, f64)], rounds: &[u32], seeds: &mut Seeds) -> Recovery {
+    fn look(&self, sheet: &Sheet, near: &Point, bounds: &[(f64, f64)], rounds: &[f64], shares: &[f64], seeds: &mut Seeds) -> (Recovery, Vec<f64>) {
         let mut best = near.values.clone();
         let mut basis: Option<Basis> = None;
-        for (round, &samples) in rounds.iter().enumerate() {
-            let mut all = self.trace(sheet.numbers, &vec![samples; sheet.numbers.len()], seeds.next());
+        for (round, mean) in rounds.iter().enumerate() {
+            let samples: Vec<u32> = shares.iter().map(|share| (mean * share).clamp(SAMPLES.0, SAMPLES.1) as u32).collect();
+            let mut all = self.trace(sheet.numbers, &samples, seeds.next());
             if let Some(before) = &basis {
                 all.join(before);
             }
             let halves = pictures(&all, &self.coefficients(&best));
-            let weights = sheet.by_variance(&halves, &sheet.variance(&halves, &all.samples));
+            let variance = sheet.variance(&halves, &all.samples);
+            let weights = sheet.by_variance(&halves, &variance);
             let gram = Gram::new(&all, &sheet.target, &weights, Form::Whole);
             let problem = Problem { gram: &gram, coefficients: &|v| self.coefficients(v), bounds };
             best = problem.polish(&best, &vec![true; bounds.len()]).values;
-            let found = self.conclude(&all, sheet, &weights, &problem, &best);
+            let (found, shares) = self.conclude(&all, sheet, &weights, &variance, &problem, &best);
             if round + 1 == rounds.len() || found.settled() {
-                return found;
+                return (found, shares);
             }
             basis = Some(all);
         }
@@ -159,7 +167,7 @@ impl Stage<'_> {
     }
 
     /// What the bottom of a valley is worth: the values there, freed of the bias of the rendering's noise, and their covariance.
-    fn conclude(&self, basis: &Basis, sheet: &Sheet, weights: &Channels, problem: &Problem, values: &[f64]) -> Recovery {
+    fn conclude(&self, basis: &Basis, sheet: &Sheet, weights: &Channels, variance: &[[f64; 3]], problem: &Problem, values: &[f64]) -> (Recovery, Vec<f64>) {
         let count = values.len();
         let x = self.coefficients(values);
         let jacobian = problem.jacobian(values);
@@ -179,14 +187,17 @@ impl Stage<'_> {
             (0..sheet.target.len()).map(|p| (0..3).map(|c| at(p, c)).sum::<f64>()).sum()
         };
         let mut values = values.to_vec();
+        let mut next = vec![1.0; sheet.numbers.len()];
         if let Some(inverse) = matrix.inverse() {
+            let errors: Vec<f64> = (0..count).map(|i| covariance.at(i, i).sqrt()).collect();
+            next = shares(&inverse, &errors, weights, variance, &means);
             let step = inverse.times(&derivatives.iter().map(score).collect::<Vec<_>>());
             for (i, s) in step.iter().enumerate() {
                 values[i] = (values[i] + s).clamp(problem.bounds[i].0, problem.bounds[i].1);
             }
         }
         let chi2 = (0..sheet.target.len()).map(|p| (0..3).map(|c| residual(p, c, 0) * residual(p, c, 1)).sum::<f64>()).sum();
-        Recovery { values, covariance, own, chi2, pixels: sheet.numbers.len() }
+        (Recovery { values, covariance, own, chi2, pixels: sheet.numbers.len() }, next)
     }
 }
 

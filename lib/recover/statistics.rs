@@ -91,6 +91,21 @@ pub fn pictures(basis: &Basis, x: &[Vec<f64>; 3]) -> Vec<Vec<[f64; 3]>> {
     (0..basis.sets).map(|set| (0..pixels).map(|p| std::array::from_fn(|c| value(basis.pixel(p, set), c))).collect()).collect()
 }
 
+/// How further samples are best shared among the pixels (Neyman 1934): in proportion to what the error of a sample does to the values, each
+/// measured by its own error. `inverse` is that of Gauss and Newton's matrix; the mean share is 1.
+pub fn shares(
+    inverse: &Symmetric, errors: &[f64], weights: &Channels, variance: &[[f64; 3]], derivatives: &[Vec<[f64; 3]>],
+) -> Vec<f64> {
+    let n = inverse.size();
+    let spread = |p: usize| -> f64 {
+        let moved = |i: usize, c: usize| (0..n).map(|j| inverse.at(i, j) * derivatives[j][p][c]).sum::<f64>() * weights[p][c] as f64 / errors[i];
+        (0..3).map(|c| variance[p][c] * (0..n).map(|i| moved(i, c).powi(2)).sum::<f64>()).sum::<f64>().sqrt()
+    };
+    let spreads: Vec<f64> = (0..weights.len()).map(spread).collect();
+    let mean = spreads.iter().sum::<f64>() / spreads.len() as f64;
+    spreads.iter().map(|s| if mean > 0.0 { s / mean } else { 1.0 }).collect()
+}
+
 /// Covariances of fitted values: by all that makes the residuals, and by the noise of the rendering alone.
 ///
 /// The sandwich form (White 1980): `matrix` is Gauss and Newton's, the scores are summed per pixel over the channels, whose errors go together.
