@@ -4,7 +4,7 @@
 //! [`Resolve::command`], which decides. As in RADIANCE a command that fails (a missing file, a wrong option) is a warning,
 //! and what it printed stays; text that it printed and that cannot be read is an error.
 
-mod genbox;
+mod generate;
 mod printf;
 mod shell;
 mod xform;
@@ -162,7 +162,7 @@ impl Expander<'_> {
         if self.commands > COMMAND_LIMIT {
             return Err(span.error(format!("more than {COMMAND_LIMIT} commands; expand the scene in parts")));
         }
-        let stages = pipeline(text).filter(|stages| stages.iter().all(|s| is_built_in(&s.words[0])));
+        let stages = pipeline(text).filter(|stages| stages.iter().all(|s| is_built_in(&s.words)));
         self.within.push(format!("!{text}"));
         let items = match stages {
             Some(stages) => self.pipe(stages, command, folder)?,
@@ -205,7 +205,14 @@ impl Expander<'_> {
             "xform" => return self.xform(arguments, input, folder, out),
             "cat" => return self.cat(arguments, input, folder, out),
             "echo" => Ok(echo(arguments)),
-            _ => genbox::genbox(arguments),
+            _ => {
+                let read = |name: &str, library: bool| {
+                    let path = joined(folder, name);
+                    let bytes = if library { self.library(&path, name).map(|(_, bytes)| bytes) } else { self.resolve.scene(&path) };
+                    bytes.map(crate::rad::decode)
+                };
+                generate::generate(program, arguments, &read)
+            }
         };
         let text = printed.map_err(Stop::Failed)?;
         let source = Source::new(format!("!{}", stage.words.join(" ")), text);
@@ -268,17 +275,13 @@ impl Expander<'_> {
 
     /// The items of a file that `xform` names. Commands in it are carried out in that file's directory.
     fn operand(&mut self, name: &str, folder: &str, expand: bool) -> Step<Arc<Vec<Item>>> {
-        let mut path = joined(folder, name);
+        let path = joined(folder, name);
         if expand && let Some(items) = self.files.get(&path) {
             return Ok(items.clone());
         }
         self.enter(&path).map_err(fatal)?;
-        let mut found = self.resolve.library(&path);
-        if found.is_err() && path != name && !name.starts_with('.') {
-            path = name.to_string();
-            found = self.resolve.library(&path);
-        }
-        let items = items(Document::read(&path, found.map_err(Stop::Failed)?).map_err(fatal)?);
+        let (path, bytes) = self.library(&path, name).map_err(Stop::Failed)?;
+        let items = items(Document::read(&path, bytes).map_err(fatal)?);
         if !expand {
             return Ok(Arc::new(items));
         }
@@ -287,6 +290,14 @@ impl Expander<'_> {
         self.within.pop();
         self.files.insert(joined(folder, name), flat.clone());
         Ok(flat)
+    }
+
+    /// A library file, looked for beside the file that names it and then as it is named; and the name it was found by.
+    fn library(&self, path: &str, name: &str) -> Result<(String, Vec<u8>)> {
+        match self.resolve.library(path) {
+            Err(_) if path != name && !name.starts_with('.') => self.resolve.library(name).map(|bytes| (name.into(), bytes)),
+            found => found.map(|bytes| (path.into(), bytes)),
+        }
     }
 
     /// An error if the file is being read already.
@@ -305,8 +316,8 @@ impl Expander<'_> {
     }
 }
 
-fn is_built_in(program: &str) -> bool {
-    matches!(program, "xform" | "cat" | "echo" | "genbox")
+fn is_built_in(words: &[String]) -> bool {
+    matches!(words[0].as_str(), "xform" | "cat" | "echo") || generate::is_known(words)
 }
 
 /// What the shell's `echo` prints; like dash's it knows `\n` and `\t`.
