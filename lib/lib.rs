@@ -8,12 +8,14 @@
 //!
 //! Data flows one way. A room uses only rooms that stand above it here.
 
+pub mod accel;
 pub mod args;
 pub mod cal;
 pub mod cli;
 pub mod color;
 pub mod error;
 pub mod expand;
+pub mod geometry;
 pub mod picture;
 pub mod rad;
 pub mod resolve;

@@ -1,0 +1,174 @@
+//! From a binary tree to an eight-wide one, at the least expected cost of a ray.
+//!
+//! The dynamic programme of Ylitie et al. 2017, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", section 3.1:
+//! C(n, i) is the least cost of subtree n shown as at most i children of something.
+
+use super::binary::{Binary, half_area};
+use super::tree::{Block, LEAF, Node, PAIR, SINGLE, Tree};
+use rayon::prelude::*;
+use wide::f32x8;
+
+/// Cost of a visit to a node, per unit of area.
+const NODE: f32 = 1.0;
+/// Cost of a block of eight triangles.
+const BLOCK: f32 = 0.9;
+/// Cost of a primitive other than a triangle.
+const OTHER: f32 = 0.9;
+/// Blocks in a leaf at most.
+const BLOCKS: u32 = 2;
+/// Subtrees smaller than this are not worth a thread.
+const SEQUENTIAL: usize = 1 << 14;
+
+/// The solution for one subtree.
+#[derive(Clone, Copy, Default)]
+struct Plan {
+    /// `cost[i - 1]` is C(n, i) for i = 1..=7.
+    cost: [f32; 7],
+    /// `split[i - 1]`, i = 1..=8: how many of at most i places go to the first child; 0 to use fewer places. At i = 8: for the places of a
+    /// node of its own.
+    split: [u8; 8],
+    /// Shown in one place: a leaf rather than a node.
+    leaf: bool,
+    /// Whether there are only triangles below.
+    triangles: bool,
+}
+
+/// The wide tree of `binary`. `is_triangle` tells triangles from the rest; `corners` gives a triangle's, in the tree's coordinates.
+pub(super) fn collapse(binary: &Binary, is_triangle: impl Fn(u32) -> bool + Sync, corners: impl Fn(u32) -> [[f32; 3]; 3] + Sync) -> Tree {
+    if binary.order.is_empty() {
+        return Tree { nodes: Vec::new(), blocks: Vec::new(), root: None };
+    }
+    let mut plans = vec![Plan::default(); binary.boxes.len()];
+    solve(binary, 0, &mut plans, &is_triangle, 0);
+    let (mut nodes, mut leaves, mut blocks) = (Vec::new(), Vec::new(), 0);
+    // Number a child: a primitive, one or two blocks, or a node that is filled later.
+    let mut number = |i: usize, nodes: &mut Vec<Node>, todo: &mut Vec<(usize, usize)>| {
+        let count = binary.leaves[i];
+        if !plans[i].leaf {
+            nodes.push(Node { bounds: [[f32x8::splat(f32::INFINITY), f32x8::splat(f32::NEG_INFINITY)]; 3], child: [LEAF; 8] });
+            todo.push((i, nodes.len() - 1));
+            return nodes.len() as u32 - 1;
+        }
+        if !plans[i].triangles {
+            return LEAF | SINGLE | binary.order[binary.before[i] as usize];
+        }
+        let pair = count > 8;
+        // Fill two blocks evenly.
+        let first = if pair { count.div_ceil(2) } else { count };
+        leaves.push((binary.before[i], first));
+        if pair {
+            leaves.push((binary.before[i] + first, count - first));
+        }
+        blocks += 1 + u32::from(pair);
+        LEAF | if pair { PAIR } else { 0 } | (blocks - 1 - u32::from(pair))
+    };
+    let mut todo = Vec::new();
+    let root = number(0, &mut nodes, &mut todo);
+    let mut children = Vec::with_capacity(8);
+    while let Some((i, slot)) = todo.pop() {
+        children.clear();
+        gather(binary, &plans, i, &mut children);
+        let mut boxes = [[[f32::INFINITY; 8], [f32::NEG_INFINITY; 8]]; 3];
+        for (lane, &child) in children.iter().enumerate() {
+            let b = binary.boxes[child];
+            for (axis, sides) in boxes.iter_mut().enumerate() {
+                let pad = |x: f32| x.abs() * (1.0 / 4194304.0) + 1e-12;
+                sides[0][lane] = b.min[axis] - pad(b.min[axis]);
+                sides[1][lane] = b.max[axis] + pad(b.max[axis]);
+            }
+        }
+        let begin = todo.len();
+        for (lane, &child) in children.iter().enumerate() {
+            let child = number(child, &mut nodes, &mut todo);
+            nodes[slot].child[lane] = child;
+        }
+        nodes[slot].bounds = boxes.map(|sides| sides.map(f32x8::new));
+        todo[begin..].reverse();
+    }
+    let blocks = leaves
+        .par_iter()
+        .with_min_len(64)
+        .map(|&(first, count)| {
+            let mut rows = [[[f32::NAN; 8]; 3]; 3];
+            let mut primitives = [0; 8];
+            for lane in 0..count as usize {
+                let primitive = binary.order[first as usize + lane];
+                primitives[lane] = primitive;
+                for (vertex, corner) in corners(primitive).into_iter().enumerate() {
+                    for axis in 0..3 {
+                        rows[vertex][axis][lane] = corner[axis];
+                    }
+                }
+            }
+            Block { corners: rows.map(|vertex| vertex.map(f32x8::new)), primitives }
+        })
+        .collect();
+    Tree { nodes, blocks, root: Some(root) }
+}
+
+/// Fills the plans of the subtree at `root`, whose plans these are, children before parents.
+fn solve(binary: &Binary, root: usize, plans: &mut [Plan], is_triangle: &(impl Fn(u32) -> bool + Sync), depth: u32) {
+    let mut start = 0;
+    if plans.len() > SEQUENTIAL && depth < 16 {
+        let (first, second) = plans[1..].split_at_mut(2 * binary.leaves[root + 1] as usize - 1);
+        let at = binary.second(root);
+        rayon::join(|| solve(binary, root + 1, first, is_triangle, depth + 1), || solve(binary, at, second, is_triangle, depth + 1));
+        start = plans.len() - 1;
+    }
+    for i in (0..plans.len() - start).rev() {
+        let node = root + i;
+        let area = half_area(&binary.boxes[node]);
+        let count = binary.leaves[node];
+        if count == 1 {
+            let triangles = is_triangle(binary.order[binary.before[node] as usize]);
+            let cost = area * if triangles { BLOCK } else { OTHER };
+            plans[i] = Plan { cost: [cost; 7], split: [0; 8], leaf: true, triangles };
+            continue;
+        }
+        let (a, b) = (plans[i + 1], plans[i + 2 * binary.leaves[node + 1] as usize]);
+        let mut plan = Plan { triangles: a.triangles && b.triangles, ..Plan::default() };
+        let mut shared = [f32::INFINITY; 8];
+        for i in 2..=8 {
+            for k in 1..i {
+                let cost = a.cost[k - 1] + b.cost[i - k - 1];
+                if cost < shared[i - 1] {
+                    shared[i - 1] = cost;
+                    plan.split[i - 1] = k as u8;
+                }
+            }
+        }
+        let as_node = shared[7] + area * NODE;
+        let as_leaf = if plan.triangles && count <= 8 * BLOCKS { area * BLOCK * count.div_ceil(8) as f32 } else { f32::INFINITY };
+        plan.leaf = as_leaf <= as_node;
+        plan.cost[0] = as_leaf.min(as_node);
+        for i in 2..=7 {
+            plan.cost[i - 1] = shared[i - 1].min(plan.cost[i - 2]);
+            if plan.cost[i - 2] <= shared[i - 1] {
+                plan.split[i - 1] = 0;
+            }
+        }
+        plans[i] = plan;
+    }
+}
+
+/// The children of the node that subtree `i` becomes.
+fn gather(binary: &Binary, plans: &[Plan], i: usize, children: &mut Vec<usize>) {
+    let first = plans[i].split[7] as usize;
+    show(binary, plans, i + 1, first, children);
+    show(binary, plans, binary.second(i), 8 - first, children);
+}
+
+/// Shows subtree `i` in at most `places` places.
+fn show(binary: &Binary, plans: &[Plan], i: usize, mut places: usize, children: &mut Vec<usize>) {
+    let plan = &plans[i];
+    places = places.min(7);
+    while places > 1 && plan.split[places - 1] == 0 {
+        places -= 1;
+    }
+    if places == 1 {
+        return children.push(i);
+    }
+    let first = plan.split[places - 1] as usize;
+    show(binary, plans, i + 1, first, children);
+    show(binary, plans, binary.second(i), places - first, children);
+}

@@ -1,0 +1,183 @@
+//! A ray made ready for the tree: moved up to it, in its coordinates, with the shear of the watertight triangle test.
+
+use super::tree::{Block, Space};
+use crate::geometry::Ray;
+use wide::f32x8;
+
+/// How far, in units of the tree's cube, single precision may put a point from where it is, with a margin.
+const ERROR: f32 = 1.0 / 4194304.0;
+/// How far before its range a probe starts, so that no hit at the range's begin is lost to rounding.
+const LEAD: f32 = 1.0 / 65536.0;
+/// What the uncertainty of a distance is at most taken for: a ray that runs within a millionth of a triangle's plane is not worth more.
+const WORST: f32 = 1.0 / 64.0;
+
+/// Which lanes of a block are hit.
+pub(super) struct Lanes {
+    /// One bit each.
+    pub mask: u32,
+    /// Distances.
+    pub t: [f32; 8],
+    /// By how much the distances may be wrong. Hits less than that from an end of the range, or from each other, must be decided in
+    /// double precision.
+    pub blur: [f32; 8],
+}
+
+/// A ray in the coordinates of a tree.
+#[derive(Clone, Debug)]
+pub(super) struct Probe {
+    /// Where it starts: at the near end of the range or where it enters the bounds, less [`LEAD`].
+    pub origin: [f32; 3],
+    /// One over the direction, finite.
+    pub inverse: [f32; 3],
+    /// Whether the direction is negative, per axis.
+    pub negative: [bool; 3],
+    /// The far end of the range, and a little more.
+    pub limit: f32,
+    /// The near end.
+    from: f32,
+    /// The far end.
+    to: f32,
+    /// The distance on the world's ray that this one starts at.
+    start: f64,
+    /// World distance per unit of this one's.
+    unit: f64,
+    /// Axes: two others, and the one the direction is longest along.
+    axes: [usize; 3],
+    /// The shear that makes the ray the third axis (Woop et al. 2013, "Watertight Ray/Triangle Intersection").
+    shear: [f32; 3],
+}
+
+impl Probe {
+    /// The probe for the part of the ray between the distances, or `None` when it misses the bounds.
+    #[inline]
+    pub fn new(space: &Space, ray: &Ray, t_min: f64, t_max: f64) -> Option<Self> {
+        let unit = 1.0 / space.scale;
+        let lead = f64::from(LEAD) * unit;
+        let mut start = t_min;
+        let at = ray.at(start);
+        let bounds = &space.bounds;
+        if !bounds.contains(at) {
+            // Clip to the bounds, a little grown.
+            let mut end = t_max;
+            for axis in 0..3 {
+                let (o, d) = (ray.origin[axis], ray.direction[axis]);
+                let (low, high) = (bounds.min[axis] - lead, bounds.max[axis] + lead);
+                if d == 0.0 {
+                    if o < low || o > high {
+                        return None;
+                    }
+                } else {
+                    let (a, b) = ((low - o) / d, (high - o) / d);
+                    start = start.max(a.min(b));
+                    end = end.min(a.max(b));
+                }
+            }
+            if start > end + lead {
+                return None;
+            }
+        }
+        start -= lead;
+        let origin = space.local(ray.at(start));
+        let d = ray.direction.to_array().map(|d| d as f32);
+        let a = d.map(f32::abs);
+        let axes = if a[0] > a[1] && a[0] > a[2] {
+            [1, 2, 0]
+        } else if a[1] > a[2] {
+            [2, 0, 1]
+        } else {
+            [0, 1, 2]
+        };
+        let depth = 1.0 / d[axes[2]];
+        let reach = ((t_max - start) * space.scale) as f32;
+        Some(Self {
+            origin,
+            // Boxes are padded, so a huge number stands for infinity without ever making 0 · ∞.
+            inverse: d.map(|d| 1.0 / if d.abs() < 1e-18 { 1e-18f32.copysign(d) } else { d }),
+            negative: d.map(f32::is_sign_negative),
+            limit: reach + LEAD,
+            from: ((t_min - start) * space.scale) as f32,
+            to: reach,
+            start,
+            unit,
+            axes,
+            shear: [d[axes[0]] * depth, d[axes[1]] * depth, depth],
+        })
+    }
+
+    /// The world's distance for one of this probe's.
+    #[inline(always)]
+    pub fn distance(&self, t: f32) -> f64 {
+        self.start + f64::from(t) * self.unit
+    }
+
+    /// This probe's distance for one of the world's.
+    #[inline(always)]
+    pub fn local(&self, t: f64) -> f32 {
+        ((t - self.start) / self.unit) as f32
+    }
+
+    /// Whether a hit is certainly within the range.
+    #[inline(always)]
+    pub fn sure(&self, t: f32, blur: f32) -> bool {
+        t - blur > self.from && t + blur < self.to
+    }
+
+    /// Which triangles of the block are hit at a distance between 0 and `limit`. Triangles that are seen exactly edge
+    /// on are not hit; no ray passes between triangles that share an edge or a vertex (Woop et al. 2013).
+    #[inline(always)]
+    pub fn test(&self, block: &Block, limit: f32) -> Lanes {
+        let [i, j, k] = self.axes;
+        let origin = self.axes.map(|axis| f32x8::splat(self.origin[axis]));
+        let shear = self.shear.map(f32x8::splat);
+        let corner = |v: usize| {
+            let z = block.corners[v][k] - origin[2];
+            let x = shear[0].mul_neg_add(z, block.corners[v][i] - origin[0]);
+            let y = shear[1].mul_neg_add(z, block.corners[v][j] - origin[1]);
+            [x, y, z]
+        };
+        let (a, b, c) = (corner(0), corner(1), corner(2));
+        // Rounding a product is monotonic: these differences have the right sign or are zero, and change only sign with the order.
+        let u = c[0] * b[1] - c[1] * b[0];
+        let v = a[0] * c[1] - a[1] * c[0];
+        let w = b[0] * a[1] - b[1] * a[0];
+        let low = u.fast_min(v).fast_min(w);
+        let high = u.fast_max(v).fast_max(w);
+        let inside = low.simd_ge(f32x8::ZERO) | high.simd_le(f32x8::ZERO);
+        if inside.to_bitmask() == 0 {
+            return Lanes { mask: 0, t: [0.0; 8], blur: [0.0; 8] };
+        }
+        let area = u + v + w;
+        let depth = u * a[2] + v * b[2] + w * c[2];
+        let t = depth * shear[2] / area;
+        let reached = inside & t.simd_ge(f32x8::ZERO) & t.simd_le(f32x8::splat(limit));
+        // Moving the corners by ERROR changes each weight by ERROR times the triangle's width, relative to its area, and with it the
+        // point of the triangle's depth that they pick.
+        let width = [a[0], b[0], c[0], a[1], b[1], c[1]].into_iter().fold(f32x8::ZERO, |m, x| m.fast_max(x.abs()));
+        let range = a[2].fast_max(b[2]).fast_max(c[2]) - a[2].fast_min(b[2]).fast_min(c[2]);
+        let blur = width * range * (shear[2].abs() * f32x8::splat(ERROR)) / area.abs();
+        let blur = (blur + f32x8::splat(4.0 * ERROR)).fast_min(f32x8::splat(WORST));
+        let mut lanes = Lanes { mask: reached.to_bitmask(), t: t.to_array(), blur: blur.to_array() };
+        // Where all three vanish, single precision cannot tell: products of two singles are exact in double precision.
+        let flat = (low.simd_ge(f32x8::ZERO) & high.simd_le(f32x8::ZERO)).to_bitmask();
+        if flat != 0 {
+            let corners = [a, b, c].map(|p| p.map(|x| x.to_array()));
+            self.test_exactly(flat, &corners, limit, &mut lanes);
+        }
+        lanes
+    }
+
+    /// The same, in double precision, for some lanes of the sheared corners.
+    #[cold]
+    fn test_exactly(&self, which: u32, corners: &[[[f32; 8]; 3]; 3], limit: f32, lanes: &mut Lanes) {
+        for lane in (0..8).filter(|&lane| which >> lane & 1 == 1) {
+            let [a, b, c] = corners.map(|p| p.map(|x| f64::from(x[lane])));
+            let (u, v, w) = (c[0] * b[1] - c[1] * b[0], a[0] * c[1] - a[1] * c[0], b[0] * a[1] - b[1] * a[0]);
+            let inside = (u >= 0.0 && v >= 0.0 && w >= 0.0) || (u <= 0.0 && v <= 0.0 && w <= 0.0);
+            let t = ((u * a[2] + v * b[2] + w * c[2]) * f64::from(self.shear[2]) / (u + v + w)) as f32;
+            if inside && t >= 0.0 && t <= limit {
+                lanes.mask |= 1 << lane;
+                (lanes.t[lane], lanes.blur[lane]) = (t, WORST);
+            }
+        }
+    }
+}

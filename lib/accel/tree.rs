@@ -1,0 +1,161 @@
+//! The eight-wide tree itself: nodes, leaf blocks of eight triangles, and the walk along a ray.
+//!
+//! Everything in it is single precision, in a cube of size one round the origin; see [`Space`].
+
+use super::probe::Probe;
+use crate::geometry::Bounds;
+use crate::vector::Vec3;
+use wide::f32x8;
+
+/// Set in a child that is not a node.
+pub(super) const LEAF: u32 = 1 << 31;
+/// Set, with [`LEAF`], in a child that is one primitive other than a triangle; the rest is its number.
+pub(super) const SINGLE: u32 = 1 << 30;
+/// Set, with [`LEAF`] and without [`SINGLE`], in a child of two blocks of triangles; the rest is the number of the first.
+pub(super) const PAIR: u32 = 1 << 29;
+
+/// The cube of size one that the tree lives in: `local = (world − center) · scale`, the scale a power of two.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Space {
+    /// The middle of the bounds.
+    pub center: Vec3,
+    /// A power of two.
+    pub scale: f64,
+    /// The world bounds of all there is.
+    pub bounds: Bounds,
+}
+
+impl Space {
+    /// The space for what these bounds hold.
+    pub fn new(bounds: Bounds) -> Self {
+        let exponent = if bounds.is_empty() { 0.0 } else { bounds.size().log2().ceil().clamp(-900.0, 900.0) };
+        let center = if bounds.is_empty() { Vec3::ZERO } else { bounds.center() };
+        Self { center, scale: (-exponent).exp2(), bounds }
+    }
+
+    /// A world point in the tree's own coordinates.
+    #[inline]
+    pub fn local(&self, p: Vec3) -> [f32; 3] {
+        ((p - self.center) * self.scale).to_array().map(|x| x as f32)
+    }
+}
+
+/// Eight boxes and what is in them.
+#[derive(Clone, Debug)]
+#[repr(C, align(64))]
+pub(super) struct Node {
+    /// Per axis: smallest, largest coordinates. An empty slot has +∞, −∞.
+    pub bounds: [[f32x8; 2]; 3],
+    /// Node numbers, or [`LEAF`]s.
+    pub child: [u32; 8],
+}
+
+/// Up to eight triangles.
+#[derive(Clone, Debug)]
+#[repr(C, align(64))]
+pub(super) struct Block {
+    /// Per vertex and axis. Unused lanes are NaN, which no test accepts.
+    pub corners: [[f32x8; 3]; 3],
+    /// Primitive numbers.
+    pub primitives: [u32; 8],
+}
+
+/// The whole tree.
+#[derive(Clone, Debug)]
+pub(super) struct Tree {
+    /// Inner nodes.
+    pub nodes: Vec<Node>,
+    /// Triangles.
+    pub blocks: Vec<Block>,
+    /// Node 0, a leaf, or `None` when there is nothing.
+    pub root: Option<u32>,
+}
+
+/// Entries of the stack that need no allocation.
+const STACK: usize = 64;
+
+impl Tree {
+    /// Visits the leaves whose boxes the probe passes before `limit`, near ones first if `ORDERED`. `leaf` gets the leaf's number and the
+    /// limit and returns the new limit; a negative one ends the walk.
+    #[inline(always)]
+    pub fn walk<const ORDERED: bool>(&self, probe: &Probe, mut limit: f32, mut leaf: impl FnMut(u32, f32) -> f32) {
+        let Some(mut current) = self.root else { return };
+        let mut stack = [0u64; STACK];
+        let mut spilled: Vec<u64> = Vec::new();
+        let mut top = 0;
+        let origin = probe.origin.map(f32x8::splat);
+        let inverse = probe.inverse.map(f32x8::splat);
+        let [first, second, third] = probe.negative.map(usize::from);
+        loop {
+            if current & LEAF == 0 {
+                let node = &self.nodes[current as usize];
+                let slab = |axis: usize, side: usize| (node.bounds[axis][side] - origin[axis]) * inverse[axis];
+                let near = slab(0, first).fast_max(slab(1, second)).fast_max(slab(2, third).fast_max(f32x8::ZERO));
+                // A few roundings make each bound, and the triangle test a few more; widening the far one keeps every box the exact ray touches (Ize 2013, "Robust BVH Ray
+                // Traversal").
+                let far =
+                    slab(0, first ^ 1).fast_min(slab(1, second ^ 1)).fast_min(slab(2, third ^ 1)) * f32x8::splat(1.0 + 8.0 * f32::EPSILON);
+                let mut mask = near.simd_le(far.fast_min(f32x8::splat(limit))).to_bitmask();
+                if mask != 0 {
+                    let near = near.to_array();
+                    if mask & (mask - 1) == 0 {
+                        current = node.child[(mask.trailing_zeros() & 7) as usize];
+                        continue;
+                    }
+                    if top > STACK - 8 {
+                        spilled.extend_from_slice(&stack[..top]);
+                        top = 0;
+                    }
+                    let base = top;
+                    while mask != 0 {
+                        let lane = (mask.trailing_zeros() & 7) as usize;
+                        mask &= mask - 1;
+                        let entry = u64::from(near[lane].to_bits()) << 32 | u64::from(node.child[lane]);
+                        let mut place = top;
+                        if ORDERED {
+                            while place > base && stack[(place - 1) % STACK] < entry {
+                                stack[place % STACK] = stack[(place - 1) % STACK];
+                                place -= 1;
+                            }
+                        }
+                        stack[place % STACK] = entry;
+                        top += 1;
+                    }
+                    top -= 1;
+                    current = stack[top % STACK] as u32;
+                    continue;
+                }
+            } else {
+                limit = leaf(current, limit);
+                if limit < 0.0 {
+                    return;
+                }
+            }
+            loop {
+                if top == 0 {
+                    if spilled.is_empty() {
+                        return;
+                    }
+                    let rest = spilled.len().saturating_sub(STACK / 2);
+                    top = spilled.len() - rest;
+                    stack[..top].copy_from_slice(&spilled[rest..]);
+                    spilled.truncate(rest);
+                }
+                top -= 1;
+                let entry = stack[top % STACK];
+                if f32::from_bits((entry >> 32) as u32) <= limit {
+                    current = entry as u32;
+                    break;
+                }
+            }
+        }
+    }
+
+    /// The blocks of a leaf of triangles.
+    #[inline(always)]
+    pub fn blocks_of(&self, leaf: u32) -> &[Block] {
+        let first = (leaf & (PAIR - 1)) as usize;
+        let count = if leaf & PAIR == 0 { 1 } else { 2 };
+        &self.blocks[first..first + count]
+    }
+}
