@@ -17,6 +17,7 @@ pub mod error;
 pub mod expand;
 pub mod geometry;
 pub mod metric;
+pub mod pattern;
 pub mod picture;
 pub mod rad;
 pub mod resolve;
