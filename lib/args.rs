@@ -11,6 +11,7 @@ use std::ffi::OsString;
 use std::path::PathBuf;
 
 pub mod imgdiff;
+pub mod rparse;
 pub mod spelling;
 
 /// Options that mean the same to all four programs.

@@ -67,6 +67,13 @@ impl Error {
     pub fn new(message: impl Into<String>) -> Self {
         Self { message: message.into(), place: None }
     }
+
+    /// `file:line:column: message`, for what is no error but a warning.
+    pub fn remark(&self) -> String {
+        let Some(place) = &self.place else { return self.message.clone() };
+        let (line, column) = place.line_column();
+        format!("{}:{line}:{column}: {}", place.source.name, self.message)
+    }
 }
 
 impl From<String> for Error {

@@ -152,8 +152,7 @@ pub fn gendaylit(arguments: &[String]) -> Result<String> {
     let (altitude, azimuth) = moment.angles();
     let altitude = altitude.min(HIGHEST);
     let toward = direction(altitude, azimuth);
-    let night = matches!(moment, Moment::Date(_)) && altitude < 0.0;
-    let sky = (!night).then(|| Sky::new(known, altitude, toward.z, moment.day())).flatten();
+    let sky = (!moment.is_night()).then(|| Sky::new(known, altitude, toward.z, moment.day())).flatten();
 
     let mut out = String::new();
     let header = "\nvoid brightfunc skyfunc\n2 skybright perezlum.cal\n0\n";
@@ -171,7 +170,7 @@ pub fn gendaylit(arguments: &[String]) -> Result<String> {
     let direct = if sunny { SUN_ON_GROUND / PI * radiance * toward.z } else { 0.0 };
     let ground = (factor * sky.relative(0.0, sky.zenith_angle) * lit + direct) * reflectance;
     if sunny {
-        let radiance = if sky.direct > 0.0 { e(radiance, 3) } else { "0.0".into() };
+        let radiance = if sky.diffuse > 0.0 && sky.direct <= 0.0 { "0.0".into() } else { e(radiance, 3) };
         out += &format!("\nvoid light solar\n0\n0\n3 {radiance} {radiance} {radiance}\n");
         out += &format!("\nsolar source sun\n0\n0\n4 {sun} {:.6}\n", 2.0 * SUN_HALF_ANGLE);
     }
@@ -210,6 +209,8 @@ impl Sky {
                 ([diffuse * ((1.0 + k) * clearness - k - 1.0), diffuse], Some((clearness, brightness)))
             }
             Known::Normal(direct, diffuse) => ([direct, diffuse], None),
+            // From below the horizon nothing falls on the ground.
+            Known::Horizontal(..) | Known::Global(_) if height < 0.0 => ([0.0, 0.0], Some((f64::INFINITY, 0.0))),
             Known::Horizontal(direct, diffuse) => ([direct / height, diffuse], None),
             Known::Global(global) => {
                 // Erbs et al. 1982, "Estimation of the diffuse radiation fraction", equation 1; no more than reaches the atmosphere.
@@ -224,7 +225,7 @@ impl Sky {
                 ([global * (1.0 - fraction) / height, global * fraction], None)
             }
         };
-        if !direct.is_finite() || direct > SOLAR_CONSTANT || direct <= 0.0 && diffuse <= 0.0 {
+        if !direct.is_finite() || direct > SOLAR_CONSTANT || direct <= 0.0 && diffuse <= 0.0 && told.is_none() {
             return None;
         }
         let (clearness, brightness) = told.unwrap_or_else(|| {

@@ -90,8 +90,9 @@ fn rounded(printer: &mut Printer, vertices: &[Vec3], length: Vec3, radius: f64, 
         }
     }
     for i in 0..sides {
-        let across = edges[i].cross(length).normalize();
-        let touch = across * (radius * outward * across.dot(away(i)).signum());
+        // The face leans as the extrusion does across the edge.
+        let lean = length.normalize().dot(away(i));
+        let touch = (away(i) * (1.0 - lean * lean).sqrt() - Vec3::Z * (lean * length.z.signum())) * (radius * outward);
         let face = [bottom(i), top(i), top(i + 1), bottom(i + 1)].map(|p| p + touch);
         printer.surface("polygon", i + 1, &face, &[]);
         if turn(i + 1) >= -TINY {

@@ -111,6 +111,13 @@ impl Moment {
         }
     }
 
+    /// Whether a date's hour is before sunrise or after sunset; never where the sun does not rise or set.
+    pub fn is_night(&self) -> bool {
+        let Self::Date(date) = self else { return false };
+        let half_day = (-date.latitude.tan() * date.declination().tan()).acos() * 12.0 / PI;
+        (date.simple_time() - 12.0).abs() > half_day
+    }
+
     /// The day's number in the year, from 1; 0 when no day is told.
     pub fn day(&self) -> usize {
         match self {
@@ -130,7 +137,7 @@ impl Date {
     fn angles(&self) -> (f64, f64) {
         let (declination, time) = match self.year {
             Some(year) => self.almanac(year),
-            None => (self.declination(), self.solar_time()),
+            None => (self.declination(), self.simple_time()),
         };
         let time = if self.solar { self.hour } else { time } * PI / 12.0;
         let ((sin_l, cos_l), (sin_d, cos_d)) = (self.latitude.sin_cos(), declination.sin_cos());
@@ -152,8 +159,11 @@ impl Date {
         0.4093 * (2.0 * PI / 365.0 * (self.number(false) as f64 - 81.0)).sin()
     }
 
-    /// Hours, with the equation of time of the IES Lighting Handbook 1981, equation 7-1.
-    fn solar_time(&self) -> f64 {
+    /// Solar time in hours, with the equation of time of the IES Lighting Handbook 1981, equation 7-1.
+    fn simple_time(&self) -> f64 {
+        if self.solar {
+            return self.hour;
+        }
         let day = self.number(false) as f64;
         let equation = 0.170 * (4.0 * PI / 373.0 * (day - 80.0)).sin() - 0.129 * (2.0 * PI / 355.0 * (day - 8.0)).sin();
         self.hour + equation + 12.0 * (self.meridian() - self.longitude) / PI

@@ -18,7 +18,8 @@ const TINY: f64 = 2e-7;
 #[derive(Clone, Copy)]
 struct Vertex {
     point: Vec3,
-    normal: Option<Vec3>,
+    /// Unit; zero where the surface has no tangent plane.
+    normal: Vec3,
 }
 
 /// The scene text that `gensurf` prints for these arguments.
@@ -46,14 +47,14 @@ pub fn gensurf(arguments: &[String], read: Read) -> Result<String> {
             let point = rows[1][j]?;
             let along = tangent(rows[0][j], point, rows[2][j]);
             let across = tangent(rows[1][j - 1], point, rows[1][j + 1]);
-            Some(Vertex { point, normal: along.cross(across).try_normalize().filter(|_| smooth) })
+            Some(Vertex { point, normal: along.cross(across).normalize_or_zero() })
         };
         (1..n + 2).map(vertex).collect()
     };
     let none = vec![None; n + 3];
     let (mut before, mut here, mut behind) = (if smooth { row(0) } else { none.clone() }, row(1), row(2));
     let mut rear = vertices([&before, &here, &behind]);
-    let mut surface = Surface { material, printer: Printer::new(material, name), count: 0 };
+    let mut surface = Surface { material, smooth, printer: Printer::new(material, name), count: 0 };
     for i in 1..=m {
         before = std::mem::replace(&mut here, behind);
         behind = if smooth || i < m { row(i + 2) } else { none.clone() };
@@ -68,6 +69,7 @@ pub fn gensurf(arguments: &[String], read: Read) -> Result<String> {
 
 struct Surface<'a> {
     material: &'a str,
+    smooth: bool,
     printer: Printer<'a>,
     count: usize,
 }
@@ -100,7 +102,7 @@ impl Surface<'_> {
     /// Prints a flat face with its normal, before it the texture that makes it smooth.
     fn polygon(&mut self, points: &[Vec3], normal: Vec3, corners: [Vertex; 4]) {
         self.count += 1;
-        let texture = texture(normal, corners);
+        let texture = self.smooth.then(|| texture(normal, corners)).flatten();
         if let Some((axis, rows)) = texture {
             let header = "4 surf_dx surf_dy surf_dz surf.cal\n0\n13";
             let _ = writeln!(self.printer.text, "\n{} texfunc Phong\n{header}\t{axis}", Quoted(self.material));
@@ -115,12 +117,12 @@ impl Surface<'_> {
 
 /// The axis that a face faces, and the factors of u v, u, v and 1 that add to its normal what makes it that of the corners.
 fn texture(normal: Vec3, corners: [Vertex; 4]) -> Option<(usize, [Vec3; 4])> {
-    let size = normal.abs();
+    let size = corners.iter().map(|c| c.normal).sum::<Vec3>().abs();
     let axis = (0..3).max_by(|&i, &j| size[i].total_cmp(&size[j]))?;
     let mut rows = [([0.0; 4], Vec3::ZERO); 4];
     for (row, corner) in rows.iter_mut().zip(corners) {
         let (u, v) = (corner.point[(axis + 1) % 3], corner.point[(axis + 2) % 3]);
-        *row = ([u * v, u, v, 1.0], corner.normal? - normal);
+        *row = ([u * v, u, v, 1.0], corner.normal - normal);
     }
     solve(rows).map(|rows| (axis, rows))
 }
