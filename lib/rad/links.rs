@@ -8,7 +8,7 @@ use std::collections::HashMap;
 pub enum Link {
     /// `void`: nothing.
     Void,
-    /// `inherit`: for an alias, the modifier of its target.
+    /// `inherit`: for an alias, the modifier of its target; in a string, that of the primitive that has the string.
     Inherit,
     /// The primitive with that index.
     To(usize),
@@ -33,9 +33,10 @@ impl Links {
         for (i, primitive) in primitives.iter().enumerate() {
             let link = |name: &str| match name {
                 "void" => Link::Void,
+                "inherit" => Link::Inherit,
                 name => latest.get(name).map_or(Link::Unknown, |&i| Link::To(i)),
             };
-            modifier.push(if primitive.modifier == "inherit" { Link::Inherit } else { link(&primitive.modifier) });
+            modifier.push(link(&primitive.modifier));
             let named = naming_strings(&primitive.kind);
             references.push(primitive.strings.iter().enumerate().filter(|(j, _)| named(*j)).map(|(j, s)| (j, link(s))).collect());
             if primitive.type_of().is_some_and(|t| t.is_modifier()) {

@@ -1,7 +1,7 @@
 //! `gendaylit`: the all-weather sky of Perez et al., as the function that `perezlum.cal` describes.
 
 use super::number;
-use super::sky::{HIGHEST, clear_ground, intermediate_ground};
+use super::sky::{HIGHEST, OVERCAST_GROUND, clear_ground, intermediate_ground};
 use super::sun::{Moment, direction};
 use crate::error::{Error, Result};
 use crate::expand::printf::e;
@@ -19,7 +19,7 @@ const SUN_HALF_ANGLE: f64 = 0.2665;
 const WATER: f64 = 2.0;
 /// Where the sun lights the ground: its solid angle, sr, as `gensky` once had it.
 const SUN_ON_GROUND: f64 = 6.8e-5;
-/// Above this clearness the ground is lit as under the CIE's clear sky, below as under an intermediate one.
+/// Above this clearness the ground is lit as under the CIE's clear sky, at the lowest as under its overcast one, else as under an intermediate one.
 const CLEAR: f64 = 6.0;
 
 /// Lower ends of the eight bins of sky clearness (Perez et al. 1990, table 1), and the end of the last.
@@ -166,7 +166,11 @@ pub fn gendaylit(arguments: &[String]) -> Result<String> {
     };
     let factor = sky.diffuse * sky_efficacy / sky.integral();
     let radiance = sky.direct * sun_efficacy / (2.0 * PI * (1.0 - SUN_HALF_ANGLE.to_radians().cos()));
-    let lit = if sky.clearness > CLEAR { clear_ground(altitude) } else { intermediate_ground(altitude) };
+    let lit = match sky.clearness {
+        _ if sky.clearness > CLEAR => clear_ground(altitude),
+        _ if sky.clearness > CLEARNESS[0] => intermediate_ground(altitude),
+        _ => OVERCAST_GROUND,
+    };
     let direct = if sunny { SUN_ON_GROUND / PI * radiance * toward.z } else { 0.0 };
     let ground = (factor * sky.relative(0.0, sky.zenith_angle) * lit + direct) * reflectance;
     if sunny {

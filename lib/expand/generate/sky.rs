@@ -62,7 +62,7 @@ pub fn gensky(arguments: &[String]) -> Result<String> {
     let ground = match sky {
         Sky::Clear => clear_ground(altitude),
         Sky::Intermediate => intermediate_ground(altitude),
-        Sky::Overcast => 7.0 / 9.0,
+        Sky::Overcast => OVERCAST_GROUND,
         Sky::Uniform => 1.0,
     };
     let zenith = zenith.or(irradiance.map(|x: f64| x / PI / ground)).unwrap_or(model.max(0.0));
@@ -94,6 +94,9 @@ pub fn gensky(arguments: &[String]) -> Result<String> {
 
 /// The highest altitude of the sun at which the formulas for the zenith hold, radians.
 pub const HIGHEST: f64 = 87.0 * PI / 180.0;
+
+/// Ground irradiance divided by π and by the zenith's radiance, overcast sky (Moon and Spencer 1942).
+pub const OVERCAST_GROUND: f64 = 7.0 / 9.0;
 
 /// Ground irradiance divided by π and by the zenith's radiance, clear sky: an integral fitted by a polynomial.
 pub fn clear_ground(altitude: f64) -> f64 {
