@@ -10,8 +10,10 @@ use spelling::{Rewritten, is_radiance, is_switch, rewrite};
 use std::ffi::OsString;
 use std::path::PathBuf;
 
+pub mod anneal;
 pub mod imgdiff;
 pub mod rparse;
+pub mod rtrace;
 pub mod spelling;
 
 /// Options that mean the same to all four programs.

@@ -4,6 +4,8 @@
 //! answers yes or no, or stops: with an error, or because nobody reads its output any more.
 
 pub use disk::Disk;
+pub use scene::{documents, flat, view};
+pub use signal::interrupted;
 pub use stream::{Input, Output};
 
 use crate::args::{self, Common, Typed};
@@ -13,7 +15,12 @@ use std::process::ExitCode;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
+pub mod exec;
+pub mod search;
+
 mod disk;
+mod scene;
+mod signal;
 mod stream;
 
 /// What a program that worked has to say by its exit status.

@@ -144,6 +144,15 @@ impl Texture {
         Ok(compiled.map(|(frame, kind)| Self { frame, kind }))
     }
 
+    /// The direction of the first tangent of an anisotropic material, given like a texture; `None` for other types.
+    ///
+    /// # Errors
+    /// An expression is wrong or missing.
+    pub fn orientation(primitive: &Primitive, sources: &mut Sources) -> Result<Option<Self>> {
+        let compiled = compile::compile(primitive, sources, &["plastic2", "metal2", "trans2", "ashik2"])?;
+        Ok(compiled.map(|(frame, kind)| Self { frame, kind }))
+    }
+
     /// What is added to the unit normal, in world coordinates; zero where the expressions have no value.
     pub fn perturbation(&self, at: &At) -> Vec3 {
         self.evaluate(at).unwrap_or(Vec3::ZERO)

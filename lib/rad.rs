@@ -10,7 +10,7 @@ mod set;
 mod types;
 
 pub use bytes::{decode, encode};
-pub use json::JsonLines;
+pub use json::json;
 pub use lex::{is_space, real, word};
 pub use links::{Link, Links};
 pub use print::{Number, Quoted};

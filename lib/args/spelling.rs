@@ -49,6 +49,11 @@ pub fn is_switch(argument: &Arg) -> bool {
         && argument.get_value_parser().type_id() == TypeId::of::<bool>()
 }
 
+/// Whether a word is a negative number: no option is one.
+fn is_number(word: &str) -> bool {
+    word[1..].starts_with(|c: char| c == '.' || c.is_ascii_digit())
+}
+
 /// Rewrites `words` (the program's name first) for `command`. `read` gives the text of an `@FILE`.
 pub fn rewrite(command: &Command, words: Vec<OsString>, read: &dyn Fn(&str) -> Result<String>) -> Result<Rewritten> {
     let mut words = VecDeque::from(words);
@@ -93,7 +98,7 @@ impl Rewriter<'_> {
             } else if text == "--" {
                 self.out.push(word);
                 self.out.extend(self.words.drain(..).inspect(|word| self.trail.push(word.clone())));
-            } else if text.len() > 1 && text.starts_with('-') {
+            } else if text.len() > 1 && text.starts_with('-') && !is_number(text) {
                 self.option(text)?;
             } else {
                 self.trail.push(word.clone());

@@ -96,7 +96,7 @@ impl<'a> Words<'a, '_> {
         Ok(match self.primitive.kind.as_str() {
             "brightfunc" => (Self::one(self.expressions(0..1, 1)?), 2),
             "mixfunc" => (Self::one(self.expressions(2..3, 3)?), 4),
-            "colorfunc" | "texfunc" => {
+            "colorfunc" | "texfunc" | "plastic2" | "metal2" | "trans2" | "ashik2" => {
                 let program = self.expressions(0..3, 3)?;
                 let constant = program.constant().and_then(|_| program.eval_all(&Default::default()).ok());
                 (constant.map_or_else(|| Kind::Three(program), |values| Kind::Constant(Vec3::from_array(values))), 4)

@@ -7,10 +7,13 @@ use inverad::cli::{self, Answer, Console, Disk, Input, Outcome, Output};
 use inverad::error::{Error, Source};
 use inverad::expand::{Flat, expand, expand_all_errors, refuse_commands};
 use inverad::inventory::Inventory;
-use inverad::rad::{self, Document, JsonLines, Links, Type};
+use inverad::rad::{self, Document, Links, Type};
 use inverad::{cal, resolve::Resolve};
 use std::process::ExitCode;
 use std::sync::Arc;
+
+/// So many warnings are shown.
+const WARNINGS: usize = 100;
 
 fn main() -> ExitCode {
     cli::main("rparse", run)
@@ -50,8 +53,7 @@ fn print(args: &Args, mut flat: Flat) -> String {
         return Inventory::of(&flat).to_string();
     }
     if args.mode.json {
-        let mut lines = JsonLines::default();
-        return flat.primitives.iter().map(|p| lines.line(p) + "\n").collect();
+        return flat.primitives.iter().map(|p| rad::json(p) + "\n").collect();
     }
     if args.mode.materials {
         let mut used = Links::of(&flat.primitives).used(&flat.primitives).into_iter();
@@ -76,8 +78,19 @@ fn report(sources: Vec<Arc<Source>>, resolve: &dyn Resolve, deny: bool, console:
         errors.append(&mut wrong);
         let mut problems = check(&flat, resolve);
         errors.append(&mut problems.errors);
-        flat.warnings.iter().for_each(|warning| console.warn(warning));
-        problems.warnings.iter().for_each(|warning| console.warn(&warning.remark()));
+        let warnings = flat.warnings.into_iter().chain(problems.warnings.iter().map(Error::remark));
+        let more = warnings
+            .enumerate()
+            .filter(|(i, warning)| {
+                *i >= WARNINGS || {
+                    console.warn(warning);
+                    false
+                }
+            })
+            .count();
+        if more > 0 {
+            console.warn(&format!("{more} more warnings are not shown"));
+        }
     }
     errors.iter().for_each(|error| eprintln!("rparse: {error}"));
     if errors.is_empty() { Answer::Yes } else { Answer::No }

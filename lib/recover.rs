@@ -1,0 +1,4 @@
+//! recover
+pub mod fit;
+pub mod gram;
+pub mod model;

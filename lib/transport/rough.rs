@@ -1,0 +1,364 @@
+//! The basis of a rough unknown: plastic, metal, trans and their anisotropic kin.
+//!
+//! A path that meets the unknown j times diffusely and k times specularly contributes ρd^j ρs^k times something that depends on the
+//! roughness alone. So a picture is a polynomial in the coefficients of the lobes, whose terms are pictures. Roughness is sampled at a few
+//! nodes, all evaluated on the same directions. Choices on a path never depend on what is unknown.
+
+use super::{LANES, Nodes};
+use crate::bsdf::{Arriving, Bsdf, Delta, Part, lobe};
+use crate::color::Rgb;
+use crate::integrator::{Scattering, Transport};
+use crate::material::Inside;
+use crate::rules::{Rules, Ward};
+use crate::scene::MaterialId;
+use crate::vector::Vec3;
+use crate::world::Layer;
+use std::f64::consts::PI;
+use wide::f32x8;
+
+/// How often a path may meet the unknown. What is left out beyond is below .2 % on strongly concave objects.
+pub const ORDER: usize = 3;
+
+/// Squared roughnesses along the two tangents of the lobe.
+pub type Alpha = [f64; 2];
+
+/// The products of lobe coefficients that paths carry: how often each [`Part`] of the unknown was met, up to [`ORDER`] in all.
+#[derive(Clone, Debug)]
+pub struct Monomials {
+    /// Exponents of the coefficients of the four parts.
+    pub exponents: Vec<[u8; 4]>,
+    /// The first column of each product.
+    offsets: Vec<usize>,
+    number: [u8; 256],
+    nodes: usize,
+    columns: usize,
+}
+
+impl Monomials {
+    /// All products for an unknown that transmits light or does not, with lobes at `nodes` roughnesses.
+    pub fn new(transmits: bool, nodes: usize) -> Self {
+        let mut monomials = Self { exponents: Vec::new(), offsets: Vec::new(), number: [u8::MAX; 256], nodes, columns: 0 };
+        let most = |part: usize, left: usize| if part % 2 == 1 && !transmits { 0 } else { left };
+        for a in 0..=ORDER {
+            for b in 0..=most(1, ORDER - a) {
+                for c in 0..=ORDER - a - b {
+                    for d in 0..=most(3, ORDER - a - b - c) {
+                        let exponents = [a as u8, b as u8, c as u8, d as u8];
+                        monomials.number[Self::key(exponents)] = monomials.exponents.len() as u8;
+                        monomials.offsets.push(monomials.columns);
+                        monomials.columns += if c + d > 0 { nodes } else { 1 };
+                        monomials.exponents.push(exponents);
+                    }
+                }
+            }
+        }
+        monomials
+    }
+
+    fn key(e: [u8; 4]) -> usize {
+        e[0] as usize | (e[1] as usize) << 2 | (e[2] as usize) << 4 | (e[3] as usize) << 6
+    }
+
+    /// The product `m` times the coefficient of one more part; `None` beyond [`ORDER`].
+    fn times(&self, m: u8, part: Part) -> Option<u8> {
+        let mut e = self.exponents[m as usize];
+        if e.iter().map(|&x| x as usize).sum::<usize>() == ORDER {
+            return None;
+        }
+        e[part as usize] += 1;
+        Some(self.number[Self::key(e)]).filter(|&n| n != u8::MAX)
+    }
+
+    /// Whether a product's picture depends on the roughness.
+    pub fn varies(&self, m: usize) -> bool {
+        self.exponents[m][2] + self.exponents[m][3] > 0
+    }
+
+    /// The number of columns of a channel: one for each product, or one for each product and node.
+    pub fn columns(&self) -> usize {
+        self.columns
+    }
+
+    /// For each column of a channel: its product, and its node if it has one.
+    pub fn column(&self) -> impl Iterator<Item = (usize, Option<usize>)> + '_ {
+        (0..self.exponents.len()).flat_map(move |m| {
+            let count = if self.varies(m) { self.nodes } else { 1 };
+            (0..count).map(move |n| (m, self.varies(m).then_some(n)))
+        })
+    }
+}
+
+/// What is unknown, and how it is explored.
+#[derive(Clone, Debug)]
+pub struct Rough {
+    /// The material.
+    pub material: MaterialId,
+    /// Whether its specular lobe takes the colour of its patterns, as metal's does.
+    pub metal: bool,
+    /// Whether it transmits.
+    pub transmits: bool,
+    /// The roughnesses at which lobes are evaluated; a multiple of [`LANES`].
+    pub nodes: Vec<Alpha>,
+    /// The roughnesses from which directions are drawn.
+    pub proposals: Vec<Alpha>,
+    /// The products of coefficients.
+    pub monomials: Monomials,
+    /// The nodes in lanes: inverses of the two squared roughnesses, and of the root of their product.
+    lanes: Vec<(f32x8, f32x8, f32x8)>,
+}
+
+impl Rough {
+    /// A material explored at the roughnesses `nodes` (8 or 16 of them) with directions from the roughnesses `proposals`.
+    pub fn new(material: MaterialId, metal: bool, transmits: bool, nodes: Vec<Alpha>, proposals: Vec<Alpha>) -> Self {
+        let lane = |f: &dyn Fn(&Alpha) -> f64, chunk: &[Alpha]| f32x8::from(std::array::from_fn(|i| f(&chunk[i]) as f32));
+        let lanes = nodes
+            .chunks_exact(LANES)
+            .map(|c| (lane(&|a| 1.0 / a[0], c), lane(&|a| 1.0 / a[1], c), lane(&|a| 1.0 / (a[0] * a[1]).sqrt(), c)))
+            .collect();
+        let monomials = Monomials::new(transmits, nodes.len());
+        Self { material, metal, transmits, nodes, proposals, monomials, lanes }
+    }
+}
+
+/// One term of a throughput.
+#[derive(Clone, Copy)]
+struct Term<const L: usize> {
+    monomial: u8,
+    /// What known surfaces and patterns make of it.
+    known: Rgb,
+    /// What the lobes of the unknown make of it, at each node, over the densities of the directions.
+    lobes: Nodes<L>,
+}
+
+/// The throughput of a path: a sum of at most two terms, as the last surface may have scattered diffusely or specularly.
+#[derive(Clone)]
+pub(super) struct Beta<const L: usize> {
+    terms: [Option<Term<L>>; 2],
+}
+
+/// Hands each path's light to the columns of its product.
+pub(super) struct Tagging<'a, const L: usize> {
+    pub rules: &'a Rules,
+    pub unknown: &'a Rough,
+    pub columns: &'a mut [f32],
+}
+
+/// Scattering at a known surface, or at the unknown.
+pub(super) enum Surface<'a> {
+    Known(Bsdf),
+    Unknown { shape: Bsdf, pattern: Rgb, unknown: &'a Rough },
+}
+
+/// What a part of the unknown counts for in the choice of a way on: the same whatever its coefficients are.
+const SHARE: f64 = 0.5;
+
+impl<const L: usize> Tagging<'_, L> {
+    /// A part's shape at a direction, without coefficient: the diffuse one alike at all nodes.
+    fn shape(&self, shape: &Bsdf, part: Part, wi: Vec3, arriving: Arriving) -> Nodes<L> {
+        match part {
+            Part::DiffuseReflection | Part::DiffuseTransmission => [f32x8::splat((wi.z.abs() / PI) as f32); L],
+            Part::SpecularReflection => {
+                let wo = shape.viewer();
+                let h = wo + wi;
+                let (x, y) = ((h.x * h.x / (h.z * h.z)) as f32, (h.y * h.y / (h.z * h.z)) as f32);
+                let scale = match self.rules.lobe {
+                    Ward::Bounded => wi.z * h.length_squared() / (PI * h.z.powi(4)),
+                    Ward::Original => wi.z / (4.0 * PI * (wi.z * wo.z).sqrt()),
+                } as f32;
+                std::array::from_fn(|l| {
+                    let (u, v, area) = self.unknown.lanes[l];
+                    (-(u * x + v * y)).exp() * area * scale
+                })
+            }
+            Part::SpecularTransmission => std::array::from_fn(|l| {
+                f32x8::from(std::array::from_fn(|i| {
+                    let alpha = self.unknown.nodes[l * LANES + i];
+                    (match arriving {
+                        Arriving::Lamp(_) => lobe::transmission(alpha, shape.straight(), shape.viewer(), wi),
+                        Arriving::Indirect => lobe::transmission_pdf(alpha, shape.straight(), wi),
+                    }) as f32
+                }))
+            }),
+        }
+    }
+}
+
+impl<'a, const L: usize> Transport for Tagging<'a, L> {
+    type Beta = Beta<L>;
+    type Surface = Surface<'a>;
+
+    fn start(&self) -> Beta<L> {
+        Beta { terms: [Some(Term { monomial: 0, known: Rgb::ONE, lobes: [f32x8::ONE; L] }), None] }
+    }
+
+    fn scale(&self, beta: &mut Beta<L>, by: Rgb) {
+        beta.terms.iter_mut().flatten().for_each(|t| t.known *= by);
+    }
+
+    fn size(&self, beta: &Beta<L>) -> f64 {
+        let term =
+            |t: &Term<L>| t.known.abs().max_element() * t.lobes.iter().fold(0f32, |m, v| v.to_array().into_iter().fold(m, f32::max)) as f64;
+        beta.terms.iter().flatten().map(term).fold(0.0, f64::max)
+    }
+
+    fn surface(&self, layer: &Layer, rules: &Rules) -> Surface<'a> {
+        if layer.id != self.unknown.material || layer.material.is_none() {
+            return Surface::Known(layer.bsdf(rules));
+        }
+        Surface::Unknown { shape: layer.bsdf(rules), pattern: layer.pattern, unknown: self.unknown }
+    }
+
+    fn scatter(&self, beta: &Beta<L>, surface: &Surface, wi: Vec3, arriving: Arriving, weights: &[f64; 4]) -> Beta<L> {
+        match surface {
+            Surface::Known(bsdf) => {
+                let mut beta = beta.clone();
+                self.scale(&mut beta, bsdf.value(wi, arriving, weights, self.rules));
+                beta
+            }
+            Surface::Unknown { shape, pattern, unknown } => {
+                let mut next = Beta { terms: [None; 2] };
+                if arriving == Arriving::Indirect && !shape.passes(wi) {
+                    return next;
+                }
+                let side = (wi.z < 0.0) as usize;
+                let mut free = next.terms.iter_mut();
+                for part in [Part::ALL[side], Part::ALL[2 + side]] {
+                    let weight = weights[part as usize] as f32;
+                    if weight == 0.0 {
+                        continue;
+                    }
+                    let lobes = self.shape(shape, part, wi, arriving);
+                    let colored = if part == Part::SpecularReflection && !unknown.metal { Rgb::ONE } else { *pattern };
+                    // A path is a single term until it is aimed at a light.
+                    for term in beta.terms.iter().flatten() {
+                        let Some(monomial) = unknown.monomials.times(term.monomial, part) else { continue };
+                        let lobes = std::array::from_fn(|l| term.lobes[l] * lobes[l] * weight);
+                        if let Some(slot) = free.next() {
+                            *slot = Some(Term { monomial, known: term.known * colored, lobes });
+                        }
+                    }
+                }
+                next
+            }
+        }
+    }
+
+    fn ambient(&self, beta: &Beta<L>, surface: &Surface, side: usize) -> Beta<L> {
+        match surface {
+            Surface::Known(bsdf) => {
+                let mut beta = beta.clone();
+                self.scale(&mut beta, bsdf.ambient[side]);
+                beta
+            }
+            Surface::Unknown { pattern, unknown, .. } => {
+                let mut beta = beta.clone();
+                for slot in &mut beta.terms {
+                    *slot = slot.and_then(|t| {
+                        unknown.monomials.times(t.monomial, Part::ALL[side]).map(|monomial| Term {
+                            monomial,
+                            known: t.known * *pattern,
+                            ..t
+                        })
+                    });
+                }
+                beta
+            }
+        }
+    }
+
+    fn follow(&self, beta: &Beta<L>, _: &Surface, delta: &Delta) -> Beta<L> {
+        let mut beta = beta.clone();
+        self.scale(&mut beta, delta.coefficient);
+        beta
+    }
+
+    fn absorb(&self, beta: &mut Beta<L>, medium: &Inside, length: f64) {
+        self.scale(beta, medium.transmittance(length));
+    }
+
+    fn collect(&mut self, beta: &Beta<L>, radiance: Rgb) {
+        let per_channel = self.unknown.monomials.columns();
+        for term in beta.terms.iter().flatten() {
+            let offset = self.unknown.monomials.offsets[term.monomial as usize];
+            let varies = self.unknown.monomials.varies(term.monomial as usize);
+            for (channel, light) in (term.known * radiance).to_array().into_iter().enumerate() {
+                let columns = &mut self.columns[channel * per_channel + offset..];
+                if !varies {
+                    columns[0] += light as f32 * term.lobes[0].to_array()[0];
+                    continue;
+                }
+                for (l, lobes) in term.lobes.iter().enumerate() {
+                    let columns = &mut columns[l * LANES..][..LANES];
+                    let sum = f32x8::from(&columns[..]) + *lobes * light as f32;
+                    columns.copy_from_slice(&sum.to_array());
+                }
+            }
+        }
+    }
+}
+
+impl Scattering for Surface<'_> {
+    fn bsdf(&self) -> &Bsdf {
+        match self {
+            Self::Known(shape) | Self::Unknown { shape, .. } => shape,
+        }
+    }
+
+    fn deltas(&self) -> &[Option<Delta>; 2] {
+        match self {
+            Self::Known(bsdf) => &bsdf.deltas,
+            Self::Unknown { .. } => &[None; 2],
+        }
+    }
+
+    fn weights(&self) -> [f64; 4] {
+        match self {
+            Self::Known(bsdf) => bsdf.weights(),
+            Self::Unknown { unknown, .. } if unknown.transmits => [SHARE; 4],
+            Self::Unknown { .. } => [SHARE, 0.0, SHARE, 0.0],
+        }
+    }
+
+    fn ways(&self, part: Part) -> usize {
+        match self {
+            Self::Unknown { unknown, .. } if !part.diffuse() => unknown.proposals.len(),
+            _ => 1,
+        }
+    }
+
+    fn sample(&self, part: Part, way: usize, u: [f64; 2]) -> Option<Vec3> {
+        match self {
+            Self::Unknown { shape, unknown, .. } if !part.diffuse() => {
+                let wi = match part {
+                    Part::SpecularReflection => lobe::sample_reflection(unknown.proposals[way], shape.viewer(), u),
+                    _ => lobe::sample_transmission(unknown.proposals[way], shape.straight(), u),
+                };
+                (shape.passes(wi) && (wi.z < 0.0) as usize == part.side()).then_some(wi)
+            }
+            _ => self.bsdf().sample(part, u),
+        }
+    }
+
+    fn pdf(&self, part: Part, wi: Vec3) -> f64 {
+        match self {
+            Self::Unknown { shape, unknown, .. } if !part.diffuse() => {
+                if (wi.z < 0.0) as usize != part.side() {
+                    return 0.0;
+                }
+                let density = |&alpha: &Alpha| match part {
+                    Part::SpecularReflection => lobe::reflection_pdf(alpha, shape.viewer(), wi),
+                    _ => lobe::transmission_pdf(alpha, shape.straight(), wi),
+                };
+                unknown.proposals.iter().map(density).sum()
+            }
+            _ => self.bsdf().pdf(part, wi),
+        }
+    }
+
+    fn lamps_differ(&self, part: Part) -> bool {
+        match self {
+            Self::Known(bsdf) => bsdf.lamps_differ(part),
+            Self::Unknown { .. } => part == Part::SpecularTransmission,
+        }
+    }
+}
