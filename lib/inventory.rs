@@ -154,7 +154,7 @@ mod tests {
         assert_eq!(
             others,
             [
-                "primitives   11: 1 BSDF, 1 alias, 1 colorpict, 1 glow, 1 light, 1 mist, 1 polygon, 2 source, 1 sphere",
+                "primitives   10: 1 BSDF, 1 alias, 1 colorpict, 1 glow, 1 light, 1 mist, 1 polygon, 2 source, 1 sphere",
                 "lights       1: 1 sphere",
                 "distant      1: sun 0.5°",
                 "environment  world 360°: colorpict",

@@ -36,7 +36,7 @@ pub fn is_known(words: &[String]) -> bool {
     };
     let has = |option: &str| arguments.iter().any(|a| a == option);
     // A round box seen from inside is a mesh of its own.
-    !unknown.iter().any(|option| has(option)) && !(program == "genbox" && has("-i") && has("-r"))
+    !(unknown.iter().any(|option| has(option)) || program == "genbox" && has("-i") && has("-r"))
 }
 
 /// What the generator `program` prints for `arguments`. An error is one that the original would report too.

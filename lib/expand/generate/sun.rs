@@ -7,7 +7,7 @@ use crate::vector::Vec3;
 use std::f64::consts::PI;
 
 /// Time zones that `gensky` knows, and their standard meridians in degrees west.
-const ZONES: [(&str, f64); 28] = [
+const ZONES: [(&str, f64); 27] = [
     ("YST", 135.0),
     ("YDT", 120.0),
     ("PST", 120.0),
@@ -33,7 +33,6 @@ const ZONES: [(&str, f64); 28] = [
     ("IST", -82.5),
     ("IDT", -97.5),
     ("JST", -135.0),
-    ("JDT", -150.0),
     ("NZST", -180.0),
     ("NZDT", -195.0),
 ];

@@ -5,7 +5,7 @@ use super::{Printer, Read, SURFACE_LIMIT};
 use crate::cal::Context;
 use crate::error::{Error, Result};
 use crate::expand::printf::g;
-use crate::rad::Quoted;
+use crate::rad::{Quoted, real};
 use crate::vector::Vec3;
 use std::fmt::Write;
 
@@ -13,6 +13,43 @@ const USAGE: &str = "usage: gensurf material name x(s,t) y(s,t) z(s,t) m n [-s] 
 
 /// A sine below this is zero: of a corner of a triangle, or between a fourth point and the plane of the others.
 const TINY: f64 = 2e-7;
+
+/// Coordinates that come from files: their numbers, how many a vertex takes, and which of these is the one.
+struct Data([Option<(Vec<f64>, usize, usize)>; 3]);
+
+impl Data {
+    /// The files among three arguments. One file for all three holds all three coordinates of each vertex.
+    fn read(arguments: [&String; 3], read: Read) -> Result<Self> {
+        let together = arguments[0] == arguments[1] && arguments[1] == arguments[2];
+        let mut data = [None, None, None];
+        for (axis, (argument, data)) in arguments.into_iter().zip(&mut data).enumerate() {
+            let Ok(text) = read(argument, false) else { continue };
+            let numbers = text.split_whitespace().map(real).collect::<Option<Vec<_>>>();
+            let numbers = numbers.ok_or_else(|| Error::new(format!("{argument}: holds words that are no numbers")))?;
+            *data = Some(if together { (numbers, 3, axis) } else { (numbers, 1, 0) });
+        }
+        Ok(Self(data))
+    }
+
+    fn is_empty(&self) -> bool {
+        self.0.iter().all(Option::is_none)
+    }
+
+    fn is_some_for(&self, axis: usize) -> bool {
+        self.0[axis].is_some()
+    }
+
+    /// The vertex (index, number of steps along s and t) with the coordinates that come from files; s runs fastest in them.
+    fn replace(&self, computed: Vec3, (i, m): (usize, usize), (j, n): (usize, usize)) -> Option<Vec3> {
+        let mut point = computed;
+        for (axis, data) in self.0.iter().enumerate() {
+            if let Some((numbers, stride, offset)) = data {
+                point[axis] = *numbers.get((j * (m + 1) + i) * stride + offset).filter(|_| i <= m && j <= n)?;
+            }
+        }
+        Some(point)
+    }
+}
 
 /// A vertex, and the surface's normal there.
 #[derive(Clone, Copy)]
@@ -31,11 +68,17 @@ pub fn gensurf(arguments: &[String], read: Read) -> Result<String> {
     }
     let m = functions.count(m, SURFACE_LIMIT)?;
     let n = functions.count(n, SURFACE_LIMIT / m)?;
-    let program = functions.compile("s,t", &[("x", x), ("y", y), ("z", z)])?;
+    let data = Data::read([x, y, z], read)?;
+    let expression = |axis: usize, text| if data.is_some_for(axis) { "0" } else { text };
+    let program = functions.compile("s,t", &[("x", expression(0, x)), ("y", expression(1, y)), ("z", expression(2, z))])?;
     // A vertex without a value is left out, and the faces round it.
     let point = |i: usize, j: usize| -> Option<Vec3> {
         let parameters = [(i as f64 - 1.0) / m as f64, (j as f64 - 1.0) / n as f64];
-        program.call(&Context::default(), &parameters).ok().map(Vec3::from_array).filter(|p| p.is_finite())
+        let mut computed = program.call(&Context::default(), &parameters).ok().map(Vec3::from_array)?;
+        if !data.is_empty() {
+            computed = data.replace(computed, (i.checked_sub(1)?, m), (j.checked_sub(1)?, n))?;
+        }
+        Some(computed).filter(|p| p.is_finite())
     };
     // Smooth normals take a rim of vertices beyond the square: index 1 is parameter 0.
     let smooth = !others.is_empty();
