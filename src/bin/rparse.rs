@@ -34,7 +34,7 @@ fn run(args: Args, console: &Console) -> Outcome<Answer> {
     let mut documents = sources.into_iter().map(Document::parse).collect::<Result<Vec<_>, Error>>()?;
     let text = if args.mode.keep {
         args.set.iter().try_for_each(|setting| rad::set(&mut documents, setting))?;
-        documents.iter().flat_map(Document::bytes).collect()
+        documents.iter().map(Document::bytes).collect::<Vec<_>>().concat()
     } else {
         if deny {
             refuse_commands(&documents)?;
