@@ -2,7 +2,7 @@
 
 use crate::bsdf::{PURE, Reflectance};
 use crate::color::Rgb;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::rad::Primitive;
 use crate::vector::Vec3;
 
@@ -204,9 +204,4 @@ impl Arguments<'_> {
             isotropic: roughnesses == 1,
         }
     }
-}
-
-/// An error that names a primitive whose type is not rendered, and what to do about it.
-pub fn unsupported(primitive: &Primitive) -> Error {
-    primitive.error(format!("{} is not supported; replace it, or leave its surfaces out with --skip-unsupported", primitive.kind))
 }
