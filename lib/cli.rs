@@ -54,10 +54,7 @@ pub fn main<A: clap::Parser + AsRef<Common>>(tool: &'static str, run: impl FnOnc
     }));
     let outcome = args::parse::<A>(std::env::args_os().collect(), &|name| Ok(String::from_utf8_lossy(&stream::file(name)?).into_owned()));
     let stopped = match outcome {
-        Ok(Typed::Print(text)) => Output::create(None).and_then(|mut out| {
-            out.write(&text)?;
-            out.finish().map(|()| Answer::Yes)
-        }),
+        Ok(Typed::Print(text)) => Output::whole(None, &text).map(|()| Answer::Yes),
         Ok(Typed::Run(arguments, trail)) => {
             let common = arguments.as_ref();
             let console = Console::new(tool, common.quiet, common.progress, trail);

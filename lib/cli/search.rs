@@ -94,9 +94,7 @@ impl Search {
     /// Keeps the search in a file.
     pub fn save(&self, path: &Path) -> Outcome<()> {
         let text = serde_json::to_vec(&self.kept).map_err(|e| Error::new(format!("{}: {e}", path.display())))?;
-        let mut out = Output::create(Some(path))?;
-        out.write(&text)?;
-        out.finish()
+        Output::whole(Some(path), &text)
     }
 
     /// What is searched for.

@@ -100,6 +100,13 @@ impl Output {
         Ok(Self { name, to: To::File(BufWriter::with_capacity(1 << 16, file), path) })
     }
 
+    /// Writes these bytes and no others to the file, or to standard output if there is none or its name is `-`.
+    pub fn whole(path: Option<&Path>, bytes: &[u8]) -> Outcome<()> {
+        let mut output = Self::create(path)?;
+        output.write(bytes)?;
+        output.finish()
+    }
+
     /// Writes these bytes.
     pub fn write(&mut self, bytes: &[u8]) -> Outcome<()> {
         let written = self.writer().write_all(bytes);

@@ -14,6 +14,7 @@ fn main() -> ExitCode {
 }
 
 fn run(arguments: Arguments, console: &Console) -> Outcome<Answer> {
+    let output = arguments.common.output.as_deref();
     match arguments.job()? {
         Job::Search(start) => search(&start, &arguments, console),
         Job::Propose(state, start) => {
@@ -23,7 +24,7 @@ fn run(arguments: Arguments, console: &Console) -> Outcome<Answer> {
             };
             search.save(&state)?;
             match search.proposal()? {
-                Some(candidate) => print(&candidate, &arguments).map(|()| Answer::Yes),
+                Some(candidate) => Output::whole(output, &candidate).map(|()| Answer::Yes),
                 None => found(&search, &arguments, console).map(|()| Answer::No),
             }
         }
@@ -76,13 +77,7 @@ fn kept(state: &Path) -> Outcome<Search> {
 
 fn found(search: &Search, arguments: &Arguments, console: &Console) -> Outcome<()> {
     let (bytes, doubts) = search.found()?;
-    print(&bytes, arguments)?;
+    Output::whole(arguments.common.output.as_deref(), &bytes)?;
     doubts.iter().for_each(|doubt| console.warn(doubt));
     Ok(())
-}
-
-fn print(bytes: &[u8], arguments: &Arguments) -> Outcome<()> {
-    let mut out = Output::create(arguments.common.output.as_deref())?;
-    out.write(bytes)?;
-    out.finish()
 }
