@@ -53,8 +53,8 @@ fn search(start: &str, arguments: &Arguments, console: &Console) -> Outcome<Answ
     let mut search = begin(start, arguments, options.state.as_deref())?;
     let unknown = search.unknown().clone();
     let mut objective = Exec::new(command, &unknown)?;
-    let time = options.time.map(Duration::from_secs_f64);
-    let watch = Watch { state: options.state.as_deref(), log: options.log.as_deref(), time, console };
+    let time = options.time.map(|seconds| Duration::from_secs_f64(seconds.min(1e9)));
+    let watch = Watch { state: options.state.as_deref(), log: options.log.as_deref(), time, steps: options.steps, console };
     let reached = search.run(&mut objective, &watch)?;
     found(&search, arguments, console)?;
     Ok(if reached { Answer::Yes } else { Answer::No })
