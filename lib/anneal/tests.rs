@@ -248,6 +248,19 @@ fn residuals_add_the_pictures_own_noise_to_the_standard_errors() {
 }
 
 #[test]
+fn without_the_polish_the_best_is_measured_again() {
+    let truth = somewhere(5);
+    let mut noise = Random::new(5, 1);
+    let plain = Options { polish: false, ..options(5, 400) };
+    let annealer = search(box_of(&[0.5; COUNT]), plain.clone(), |x, _| valley(x, &truth) * (1.0 + 0.05 * noise.normal()));
+    let best = annealer.best().unwrap();
+    assert!(best.times >= 2 && best.chi2 < 0.03 && annealer.standard_errors().is_none(), "{best:?}");
+    // Where values repeat exactly, nothing is measured in vain.
+    let exact = search(box_of(&[0.5; COUNT]), plain, |x, _| valley(x, &truth));
+    assert!(exact.told() < 400 && exact.best().unwrap().chi2 < 0.022, "{:?}", exact.best());
+}
+
+#[test]
 fn impossible_values_and_small_budgets_do_no_harm() {
     for steps in 1..60 {
         for count in [1, 2, 8] {
