@@ -101,9 +101,9 @@ pub enum Phase {
 pub struct Best {
     /// Its coordinates.
     pub values: Vec<f64>,
-    /// The mean of the chi-squared values told for it.
+    /// The chi-squared told for it, or the mean of those told again.
     pub chi2: f64,
-    /// How many that were.
+    /// How often it was evaluated.
     pub times: u32,
 }
 
@@ -130,7 +130,7 @@ pub struct Annealer {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Trial {
     values: Vec<f64>,
-    /// The mean of what was told; `f64::MAX` for what is impossible.
+    /// What was told, or the mean of what was told again; `f64::MAX` for what is impossible.
     chi2: f64,
     times: u32,
     stage: usize,
@@ -266,7 +266,7 @@ impl Annealer {
         // Prefer the quadratic's minimum to a value that is lower by no more than luck can make it.
         if let (Some(answer), Some(fit)) = (self.answer, self.fit()) {
             let (a, c) = (&self.trials[answer], &self.trials[chosen]);
-            let deviation = fit.scatter * (1.0 / f64::from(a.times) + 1.0 / f64::from(c.times)).sqrt();
+            let deviation = fit.scatter * (1.0 / a.weight() + 1.0 / c.weight()).sqrt();
             if c.chi2 > a.chi2 - LUCK * deviation {
                 chosen = answer;
             }
@@ -335,8 +335,9 @@ impl Annealer {
     fn tell_again(&mut self, index: usize, chi2: f64) {
         let trial = &mut self.trials[index];
         self.exact = Some(self.exact != Some(false) && trial.chi2 == chi2);
-        let (times, possible) = (f64::from(trial.times), chi2.is_finite() && trial.chi2 < f64::MAX);
-        trial.chi2 = if possible { (trial.chi2 * times + chi2) / (times + 1.0) } else { f64::MAX };
+        // The first value is why the trial was chosen, so it is too low in the mean: only the others count.
+        let (count, possible) = (f64::from(trial.times - 1), chi2.is_finite() && trial.chi2 < f64::MAX);
+        trial.chi2 = if possible { (trial.chi2 * count + chi2) / (count + 1.0) } else { f64::MAX };
         trial.times += 1;
     }
 
@@ -395,7 +396,7 @@ impl Annealer {
     fn refine(&mut self, random: &mut Random) -> Option<Next> {
         let seen: Vec<Seen> = (self.trials.iter())
             .filter(|t| t.stage == self.stage && t.chi2 < f64::MAX)
-            .map(|t| Seen { at: self.unit(&t.values), value: t.chi2, times: f64::from(t.times) })
+            .map(|t| Seen { at: self.unit(&t.values), value: t.chi2, weight: t.weight() })
             .collect();
         let mut polish = self.polish.take().unwrap_or_else(|| Polish::about(&seen, self.parameters.len()));
         let next = polish.next(&seen, random);
@@ -454,6 +455,13 @@ impl Annealer {
     /// The random numbers of this evaluation, so that no generator has to be kept.
     fn random(&self) -> Random {
         Random::new(self.options.seed, 1 + self.told as u64)
+    }
+}
+
+impl Trial {
+    /// How many values its chi-squared is the mean of.
+    fn weight(&self) -> f64 {
+        f64::from((self.times - 1).max(1))
     }
 }
 
