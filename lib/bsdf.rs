@@ -51,6 +51,13 @@ impl Part {
         matches!(self, Self::DiffuseReflection | Self::DiffuseTransmission)
     }
 
+    /// Weights of which this part has `weight`, and the others nothing.
+    pub fn alone(self, weight: f64) -> [f64; 4] {
+        let mut weights = [0.0; 4];
+        weights[self as usize] = weight;
+        weights
+    }
+
     /// 0 for reflection, 1 for transmission.
     pub fn side(self) -> usize {
         self as usize % 2
@@ -296,6 +303,16 @@ impl Bsdf {
                 self.ambient[side] * (lambert * diffuse) + gathered
             }
         }
+    }
+
+    /// The balance heuristic's weight, over the density, of each part for a direction aimed at a light with density `pdf`, where `counts` samples
+    /// of each part might have found the light too (Veach 1997, equation 9.8). Indirect light is weighed for the parts that have samples only.
+    pub fn balance(&self, wi: Vec3, arriving: Arriving, pdf: f64, counts: &[f64; 4]) -> [f64; 4] {
+        std::array::from_fn(|k| match counts[k] {
+            0.0 if arriving == Arriving::Indirect => 0.0,
+            0.0 => 1.0 / pdf,
+            count => 1.0 / (pdf + count * self.pdf(Part::ALL[k], wi)),
+        })
     }
 
     /// Whether a part scatters lamps by another formula than indirect light, so that finding a lamp by sampling the part would be wrong.

@@ -29,8 +29,12 @@ pub trait Transport {
     fn size(&self, beta: &Self::Beta) -> f64;
     /// What a layer does at a point.
     fn surface(&self, layer: &Layer, rules: &Rules) -> Self::Surface;
-    /// The throughput behind a rough scattering: `beta` times the sum of the parts of f·|cos θ|, each times its weight.
-    fn scatter(&self, beta: &Self::Beta, surface: &Self::Surface, wi: Vec3, arriving: Arriving, weights: &[f64; 4]) -> Self::Beta;
+    /// The throughput of light from a direction that was aimed at a light with density `pdf`: `beta` times the sum of the parts of f·|cos θ|,
+    /// each weighted against the samples of its own that might have found the light (`counts`, per way to sample it).
+    fn aimed(&self, beta: &Self::Beta, surface: &Self::Surface, wi: Vec3, arriving: Arriving, pdf: f64, counts: &[f64; 4]) -> Self::Beta;
+    /// The throughput behind a direction that was drawn from a part in one way, and the density it was drawn with, `count` samples of each
+    /// way being expected.
+    fn drawn(&self, beta: &Self::Beta, surface: &Self::Surface, wi: Vec3, part: Part, way: usize, count: f64) -> (Self::Beta, f64);
     /// The throughput of light that reaches one side of the surface from all directions alike, through the diffuse part.
     fn ambient(&self, beta: &Self::Beta, surface: &Self::Surface, side: usize) -> Self::Beta;
     /// The throughput behind a direction that is scattered into alone.
@@ -64,11 +68,6 @@ pub trait Scattering {
     /// A direction drawn from a part in one way.
     fn sample(&self, part: Part, _way: usize, u: [f64; 2]) -> Option<Vec3> {
         self.bsdf().sample(part, u)
-    }
-
-    /// The sum of the densities of all ways to draw `wi` from a part.
-    fn pdf(&self, part: Part, wi: Vec3) -> f64 {
-        self.bsdf().pdf(part, wi)
     }
 
     /// The expected number of samples of each part, and of directions aimed at the environment, while all ways on are followed: 1, unless
@@ -373,11 +372,9 @@ impl<'a, B: Clone> Integrator<'a, B> {
             }
             let u = self.draw(at);
             let Some(wi) = surface.sample(part, way, u) else { continue };
-            from.density = ways.counts[k] * surface.pdf(part, wi);
             from.direction = surface.bsdf().to_world(wi);
-            let mut weights = [0.0; 4];
-            weights[k] = 1.0 / from.density;
-            let beta = transport.scatter(&at.beta, surface, wi, Arriving::Indirect, &weights);
+            let beta;
+            (beta, from.density) = transport.drawn(&at.beta, surface, wi, part, way, ways.counts[k]);
             let exact = std::mem::take(&mut at.exact);
             self.send(transport, at, beta, from, part, weight);
             at.exact = exact;
@@ -461,7 +458,7 @@ impl<'a, B: Clone> Integrator<'a, B> {
                 let w = if jitter > 0.0 { self.draw(at)[0] } else { 0.5 };
                 if let Some(sample) = world.lamps()[lamp].centre(at.ray.origin, jitter, [u[0], u[1], w]) {
                     let wi = surface.bsdf().to_local(sample.direction);
-                    let beta = transport.scatter(&at.beta, surface, wi, Arriving::Lamp(sample.omega), &[sample.omega; 4]);
+                    let beta = transport.aimed(&at.beta, surface, wi, Arriving::Lamp(sample.omega), 1.0 / sample.omega, &[0.0; 4]);
                     self.shadow(transport, at, beta, sample.direction, sample.distance, Emitter::Lamp(lamp));
                 }
             }
@@ -470,24 +467,13 @@ impl<'a, B: Clone> Integrator<'a, B> {
         let (u, v) = (self.draw(at), self.draw(at));
         let Some(sample) = world.sample_lamp(at.ray.origin, v[0], u) else { return };
         let wi = surface.bsdf().to_local(sample.to.direction);
-        let mut weights = [1.0 / sample.pdf; 4];
-        for part in Part::ALL.into_iter().filter(|_| sample.shared) {
-            if counts[part as usize] > 0.0 && !surface.lamps_differ(part) {
-                weights[part as usize] = 1.0 / (sample.pdf + counts[part as usize] * surface.pdf(part, wi));
-            }
-        }
-        let beta = transport.scatter(&at.beta, surface, wi, Arriving::Lamp(0.0), &weights);
+        let counts = std::array::from_fn(|k| if sample.shared && !surface.lamps_differ(Part::ALL[k]) { counts[k] } else { 0.0 });
+        let beta = transport.aimed(&at.beta, surface, wi, Arriving::Lamp(0.0), sample.pdf, &counts);
         self.shadow(transport, at, beta, sample.to.direction, sample.to.distance, Emitter::Lamp(sample.lamp));
     }
 
     /// Light of the environment, for the parts that gather it.
-    fn aim_at_environment<T: Transport<Beta = B>>(
-        &mut self,
-        transport: &mut T,
-        at: &mut Segment<B>,
-        surface: &T::Surface,
-        ways: &Ways,
-    ) {
+    fn aim_at_environment<T: Transport<Beta = B>>(&mut self, transport: &mut T, at: &mut Segment<B>, surface: &T::Surface, ways: &Ways) {
         if ways.counts == [0.0; 4] || !self.world.has_environment() {
             return;
         }
@@ -497,14 +483,7 @@ impl<'a, B: Clone> Integrator<'a, B> {
         let u = self.draw(at);
         let Some((direction, pdf)) = self.world.sample_environment(u) else { return };
         let wi = surface.bsdf().to_local(direction);
-        let mut weights = [0.0; 4];
-        for part in Part::ALL {
-            let count = ways.counts[part as usize];
-            if count > 0.0 {
-                weights[part as usize] = 1.0 / (ways.aimed * pdf + count * surface.pdf(part, wi));
-            }
-        }
-        let beta = transport.scatter(&at.beta, surface, wi, Arriving::Indirect, &weights);
+        let beta = transport.aimed(&at.beta, surface, wi, Arriving::Indirect, ways.aimed * pdf, &ways.counts);
         self.shadow(transport, at, beta, direction, f64::INFINITY, Emitter::Environment);
     }
 
@@ -559,8 +538,13 @@ impl Transport for Radiance<'_> {
         layer.bsdf(rules)
     }
 
-    fn scatter(&self, beta: &Rgb, surface: &Bsdf, wi: Vec3, arriving: Arriving, weights: &[f64; 4]) -> Rgb {
-        *beta * surface.value(wi, arriving, weights, self.rules)
+    fn aimed(&self, beta: &Rgb, surface: &Bsdf, wi: Vec3, arriving: Arriving, pdf: f64, counts: &[f64; 4]) -> Rgb {
+        *beta * surface.value(wi, arriving, &surface.balance(wi, arriving, pdf, counts), self.rules)
+    }
+
+    fn drawn(&self, beta: &Rgb, surface: &Bsdf, wi: Vec3, part: Part, _: usize, count: f64) -> (Rgb, f64) {
+        let density = count * surface.pdf(part, wi);
+        (*beta * surface.value(wi, Arriving::Indirect, &part.alone(1.0 / density), self.rules), density)
     }
 
     fn ambient(&self, beta: &Rgb, surface: &Bsdf, side: usize) -> Rgb {

@@ -19,7 +19,7 @@ use crate::world::World;
 use rayon::prelude::*;
 use wide::f32x8;
 
-/// The number of nodes is a multiple of this.
+/// Nodes that are computed with at a time.
 pub const LANES: usize = 8;
 
 /// Numbers at 8·`L` nodes.
@@ -28,7 +28,7 @@ type Nodes<const L: usize> = [f32x8; L];
 /// What is unknown, and how it is explored.
 pub enum Unknown {
     /// Rough, reflecting and perhaps transmitting.
-    Rough(Rough),
+    Rough(Box<Rough>),
     /// Smooth and transparent.
     Clear(Clear),
 }
@@ -66,7 +66,8 @@ impl Basis {
     /// Takes in further samples of the same pixels, traced with another seed.
     pub fn join(&mut self, other: &Self) {
         let width = self.sets * 3 * self.columns;
-        let pixels = self.values.par_chunks_mut(width).zip(other.values.par_chunks(width)).zip(self.samples.par_iter_mut()).zip(&other.samples);
+        let pixels =
+            self.values.par_chunks_mut(width).zip(other.values.par_chunks(width)).zip(self.samples.par_iter_mut()).zip(&other.samples);
         pixels.for_each(|(((mine, others), samples), &more)| {
             let total = *samples + more;
             if more > 0 {
@@ -100,7 +101,7 @@ pub fn trace(world: &World, rules: &Rules, unknown: &Unknown, pixels: &Pixels, s
             values.chunks_exact_mut(3 * columns).enumerate().map(move |(set, columns)| Piece { number, set: set as u32, samples, columns })
         });
         match unknown {
-            Unknown::Rough(rough) if rough.nodes.len() == LANES => {
+            Unknown::Rough(rough) if rough.nodes.len() <= LANES => {
                 follow(world, rules, pixels.lens, seed, pieces, |columns| rough::Tagging::<1> { rules, unknown: rough, columns });
             }
             Unknown::Rough(rough) => {

@@ -1,7 +1,7 @@
 //! A search with the outside: kept in a file, logged, shown, interrupted, limited in time.
 
 use super::interrupted;
-use super::stream::{Output, file, interrupts, plain};
+use super::stream::{Output, file, plain};
 use super::{Console, Outcome};
 use crate::anneal::{Annealer, Best, End, Objective, Options};
 use crate::error::{Error, Result};

@@ -5,8 +5,8 @@ use super::gram::{Form, Gram};
 use super::model::{Kind, Model, alphas};
 use super::statistics::{Channels, Sheet, covariances, pictures, shares};
 use super::{Effort, Evidence, Recovery};
-use crate::anneal::{Annealer, Options};
 use crate::anneal::linear::Symmetric;
+use crate::anneal::{Annealer, Options};
 use crate::error::Result;
 use crate::sampling::mix64;
 use crate::scene::MaterialId;
@@ -16,7 +16,9 @@ use crate::unknown::Unknown;
 /// The smallest roughness that a node stands for; below it a lobe is hardly to be told from a mirror's.
 const SMOOTHEST: f64 = 0.002;
 
-/// Nodes of the first look, and their proposals.
+/// Nodes of the last look.
+const MATCHED: usize = 3;
+/// Nodes of the first look.
 const COARSE: usize = 16;
 /// Evaluations of the annealing.
 const STEPS: usize = 2000;
@@ -32,9 +34,14 @@ struct Stage<'a> {
 }
 
 impl<'a> Stage<'a> {
+    /// A stage with these nodes, and with directions of their own for each, or from proposals if there are some.
     fn new(evidence: &'a Evidence<'a>, unknown: &'a Unknown, material: MaterialId, kind: Kind, grid: Vec<f64>, proposals: &[f64]) -> Self {
-        let rough = Rough::new(material, kind.metal, kind.transmits, alphas(kind, &grid), proposals.iter().map(|a| [a * a; 2]).collect());
-        Self { evidence, unknown, kind, grid, what: transport::Unknown::Rough(rough) }
+        let nodes = alphas(kind, &grid);
+        let rough = match proposals {
+            [] => Rough::matched(material, kind.metal, kind.transmits, nodes),
+            _ => Rough::shared(material, kind.metal, kind.transmits, nodes, proposals.iter().map(|a| [a * a; 2]).collect()),
+        };
+        Self { evidence, unknown, kind, grid, what: transport::Unknown::Rough(Box::new(rough)) }
     }
 
     fn trace(&self, pixels: &[usize], samples: &[u32], seed: u64) -> Basis {
@@ -60,7 +67,14 @@ fn around(middle: f64, ratio: f64, count: usize) -> Vec<f64> {
 }
 
 /// Recovers the numbers.
-pub fn recover(evidence: &Evidence, unknown: &Unknown, material: MaterialId, pixels: &[usize], effort: Effort, tell: &dyn Fn(&str)) -> Result<Recovery> {
+pub fn recover(
+    evidence: &Evidence,
+    unknown: &Unknown,
+    material: MaterialId,
+    pixels: &[usize],
+    effort: Effort,
+    tell: &dyn Fn(&str),
+) -> Result<Recovery> {
     let name = unknown.material().kind.as_str();
     let kind = Kind { metal: name.starts_with("metal"), transmits: name.starts_with("trans"), anisotropic: name.ends_with('2') };
     let parameters = unknown.parameters();
@@ -89,7 +103,7 @@ pub fn recover(evidence: &Evidence, unknown: &Unknown, material: MaterialId, pix
         let middle = roughness(&best);
         let (nodes, ratio, proposals) = match last {
             false => (2 * transport::LANES, 1.25, vec![middle * 0.3, middle, middle * 3.0]),
-            true => (transport::LANES, 1.15, vec![middle * 0.8, middle * 1.3]),
+            true => (MATCHED, 1.2, vec![]),
         };
         let mut stage = Stage::new(evidence, unknown, material, kind, around(middle, ratio, nodes), &proposals);
         stage.economise(&best.values);
@@ -98,7 +112,9 @@ pub fn recover(evidence: &Evidence, unknown: &Unknown, material: MaterialId, pix
         shares = next;
         best = Point { values: found.values.clone(), chi2: found.chi2 };
         let a = roughness(&best);
-        let inside = slot.is_none() || a >= stage.grid[1] && a <= stage.grid[nodes - 2] || a == SMOOTHEST;
+        let inside = slot.is_none()
+            || (if last { a > stage.grid[0] && a < stage.grid[nodes - 1] } else { a >= stage.grid[1] && a <= stage.grid[nodes - 2] })
+            || a == SMOOTHEST;
         if last && inside || look == MOST_LOOKS {
             return Ok(found);
         }
@@ -142,7 +158,15 @@ impl Stage<'_> {
     }
 
     /// Traces and fits, round by round, until the noise of the rendering hardly matters.
-    fn look(&self, sheet: &Sheet, near: &Point, bounds: &[(f64, f64)], rounds: &[f64], shares: &[f64], seeds: &mut Seeds) -> (Recovery, Vec<f64>) {
+    fn look(
+        &self,
+        sheet: &Sheet,
+        near: &Point,
+        bounds: &[(f64, f64)],
+        rounds: &[f64],
+        shares: &[f64],
+        seeds: &mut Seeds,
+    ) -> (Recovery, Vec<f64>) {
         let mut best = near.values.clone();
         let mut basis: Option<Basis> = None;
         for (round, mean) in rounds.iter().enumerate() {
@@ -167,7 +191,15 @@ impl Stage<'_> {
     }
 
     /// What the bottom of a valley is worth: the values there, freed of the bias of the rendering's noise, and their covariance.
-    fn conclude(&self, basis: &Basis, sheet: &Sheet, weights: &Channels, variance: &[[f64; 3]], problem: &Problem, values: &[f64]) -> (Recovery, Vec<f64>) {
+    fn conclude(
+        &self,
+        basis: &Basis,
+        sheet: &Sheet,
+        weights: &Channels,
+        variance: &[[f64; 3]],
+        problem: &Problem,
+        values: &[f64],
+    ) -> (Recovery, Vec<f64>) {
         let count = values.len();
         let x = self.coefficients(values);
         let jacobian = problem.jacobian(values);
@@ -175,7 +207,8 @@ impl Stage<'_> {
         let matrix = Symmetric::of(count, |i, j| matrix[i][j]);
         let halves = pictures(basis, &x);
         let derivatives: Vec<Vec<Vec<[f64; 3]>>> = jacobian.iter().map(|j| pictures(basis, j)).collect();
-        let mean = |d: &Vec<Vec<[f64; 3]>>| (0..sheet.target.len()).map(|p| std::array::from_fn(|c| 0.5 * (d[0][p][c] + d[1][p][c]))).collect();
+        let mean =
+            |d: &Vec<Vec<[f64; 3]>>| (0..sheet.target.len()).map(|p| std::array::from_fn(|c| 0.5 * (d[0][p][c] + d[1][p][c]))).collect();
         let means: Vec<Vec<[f64; 3]>> = derivatives.iter().map(mean).collect();
         let nothing = Symmetric::diagonal(&vec![f64::INFINITY; count]);
         let covariance = covariances(&matrix, &sheet.target, weights, &halves, &means);
@@ -203,8 +236,15 @@ impl Stage<'_> {
 
 /// The deepest valley: annealing inside the bounds, and descents from every roughness in case it was not found.
 fn search(problem: &Problem, unknown: &Unknown, seed: u64, grid: &[f64], roughness: Option<usize>) -> Result<Point> {
-    let options =
-        Options { seed, steps: STEPS, groups: unknown.groups().to_vec(), stages: vec![1.0], polish: false, tolerance: None, residuals: None };
+    let options = Options {
+        seed,
+        steps: STEPS,
+        groups: unknown.groups().to_vec(),
+        stages: vec![1.0],
+        polish: false,
+        tolerance: None,
+        residuals: None,
+    };
     let mut annealer = Annealer::new(unknown.parameters().to_vec(), options)?;
     while let Some(values) = annealer.propose() {
         let chi2 = problem.chi2(values);
