@@ -30,7 +30,7 @@ pub enum Unknown {
     /// Rough, reflecting and perhaps transmitting.
     Rough(Box<Rough>),
     /// Smooth and transparent.
-    Clear(Clear),
+    Clear(Box<Clear>),
 }
 
 impl Unknown {
