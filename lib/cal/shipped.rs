@@ -10,7 +10,9 @@ macro_rules! files {
 }
 
 pub(super) const SHIPPED: &[(&str, &str)] = files![
+    "angular.cal",
     "curves.cal",
+    "latlong.cal",
     "rayinit.cal",
     "skybright.cal",
     "perezlum.cal",
