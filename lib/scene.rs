@@ -5,10 +5,10 @@
 use crate::error::{Error, Result};
 use crate::expand::{Annotation, Flat};
 use crate::geometry::{Mesh, Shape};
-use crate::import;
+use crate::import::{self, MeshFile, MeshMaterial};
 use crate::material::{Material, unsupported};
 use crate::pattern::{Mixture, Pattern, Sources, Texture};
-use crate::rad::{Class, Primitive};
+use crate::rad::{Class, Document, Primitive};
 use crate::resolve::Resolve;
 use crate::transform::Transform;
 use crate::vector::Vec3;
@@ -135,7 +135,7 @@ impl Scene {
             let Some(class) = primitive.type_of().map(|t| t.class) else {
                 return Err(primitive.error(format!("{} is not a type of RADIANCE's", primitive.kind)));
             };
-            let added = if class == Class::Surface { builder.surface(primitive) } else { builder.define(primitive) };
+            let added = if class == Class::Surface { builder.surface(primitive) } else { builder.define(primitive).map(|_| ()) };
             match added {
                 Err(Unresolved::Unsupported(error)) if skip_unsupported => {
                     builder.scene.warnings.push(format!("left out: {}", error.message))
@@ -174,25 +174,33 @@ impl From<Error> for Unresolved {
 type DefinitionId = usize;
 
 /// A modifier that was defined: what it is, and what is behind it.
-#[derive(Clone, Copy)]
-struct Definition<'a> {
-    primitive: &'a Primitive,
+#[derive(Clone)]
+struct Definition {
+    primitive: Arc<Primitive>,
     behind: Option<DefinitionId>,
     /// How many definitions stood before it: names in its strings mean the latest of those (semantics 1.3).
     order: u32,
+}
+
+/// A mesh that was read, and the chains of its own materials.
+struct Model {
+    mesh: Arc<Mesh>,
+    materials: Vec<MeshMaterial>,
+    /// For each primitive that the file brought along: its chain, if it is a modifier that a triangle uses.
+    embedded: HashMap<usize, ChainId>,
 }
 
 /// A scene in the making.
 struct Builder<'a> {
     resolve: &'a dyn Resolve,
     sources: Sources<'a>,
-    definitions: Vec<Definition<'a>>,
+    definitions: Vec<Definition>,
     /// Every definition of each name, in order.
-    names: HashMap<&'a str, Vec<DefinitionId>>,
+    names: HashMap<String, Vec<DefinitionId>>,
     chains: HashMap<Option<DefinitionId>, ChainId>,
     materials: HashMap<*const Primitive, MaterialId>,
     links: HashMap<*const Primitive, Link>,
-    meshes: HashMap<String, Arc<import::Model>>,
+    meshes: HashMap<String, Arc<Model>>,
     scene: Scene,
 }
 
@@ -216,26 +224,26 @@ impl<'a> Builder<'a> {
     }
 
     /// Takes a modifier in. An alias stands for what it names, or for that with another modifier (semantics 1.4).
-    fn define(&mut self, primitive: &'a Primitive) -> std::result::Result<(), Unresolved> {
+    fn define(&mut self, primitive: &Primitive) -> std::result::Result<DefinitionId, Unresolved> {
         let order = self.definitions.len() as u32;
         let definition = if primitive.kind == "alias" {
             let target = primitive.strings.first().map_or("", String::as_str);
             let Some(found) = self.find(target, self.definitions.len()) else {
                 return Err(primitive.string_error(0, format!("no modifier `{target}` is defined before this alias")).into());
             };
-            let named = self.definitions[found];
+            let named = self.definitions[found].clone();
             let behind = if primitive.modifier == "inherit" { named.behind } else { self.modifier(primitive)? };
             Definition { behind, ..named }
         } else {
-            Definition { primitive, behind: self.modifier(primitive)?, order }
+            Definition { primitive: Arc::new(primitive.clone()), behind: self.modifier(primitive)?, order }
         };
-        self.names.entry(&primitive.name).or_default().push(self.definitions.len());
+        self.names.entry(primitive.name.clone()).or_default().push(self.definitions.len());
         self.definitions.push(definition);
-        Ok(())
+        Ok(self.definitions.len() - 1)
     }
 
     /// Takes a surface in.
-    fn surface(&mut self, primitive: &'a Primitive) -> std::result::Result<(), Unresolved> {
+    fn surface(&mut self, primitive: &Primitive) -> std::result::Result<(), Unresolved> {
         let modifier = self.modifier(primitive)?;
         let chain = self.chain(modifier)?;
         let (name, modifier_name) = (primitive.name.clone(), primitive.modifier.clone());
@@ -257,7 +265,7 @@ impl<'a> Builder<'a> {
                 let (transform, _) = Transform::parse(&primitive.strings[1..]).map_err(|e| primitive.string_error(1, e.message))?;
                 let chains = match modifier {
                     Some(_) => vec![chain],
-                    None => self.embedded(primitive, &model)?,
+                    None => self.own(primitive, &model)?,
                 };
                 self.scene.surfaces.push(Surface {
                     name,
@@ -285,19 +293,19 @@ impl<'a> Builder<'a> {
         let mut chain = Chain::default();
         let mut at = modifier;
         while let Some(id) = at {
-            let Definition { primitive, behind, order } = self.definitions[id];
+            let Definition { primitive, behind, order } = self.definitions[id].clone();
             at = behind;
             match primitive.type_of().map(|t| t.class) {
-                Some(Class::Pattern | Class::Texture) => chain.links.push(self.link(primitive)?),
+                Some(Class::Pattern | Class::Texture) => chain.links.push(self.link(&primitive)?),
                 Some(Class::Mixture) => {
                     if let End::Material(_) = chain.end {
                         continue;
                     }
                     let coefficient =
-                        Mixture::compile(primitive, &mut self.sources)?.ok_or_else(|| Unresolved::Unsupported(unsupported(primitive)))?;
+                        Mixture::compile(&primitive, &mut self.sources)?.ok_or_else(|| Unresolved::Unsupported(unsupported(&primitive)))?;
                     let mut side = |i: usize| {
                         let name = primitive.strings[i].as_str();
-                        let found = if name == "void" { None } else { Some(self.late(primitive, i, order)?) };
+                        let found = if name == "void" { None } else { Some(self.late(&primitive, i, order)?) };
                         self.chain(found)
                     };
                     let (fore, back) = (side(0)?, side(1)?);
@@ -307,7 +315,7 @@ impl<'a> Builder<'a> {
                     }
                 }
                 _ => match chain.end {
-                    End::Void => chain.end = End::Material(self.material(primitive, order)?),
+                    End::Void => chain.end = End::Material(self.material(&primitive, order)?),
                     _ => {
                         return Err(primitive
                             .error(format!(
@@ -332,8 +340,8 @@ impl<'a> Builder<'a> {
     }
 
     /// The compiled pattern or texture of a primitive.
-    fn link(&mut self, primitive: &'a Primitive) -> std::result::Result<Link, Unresolved> {
-        if let Some(known) = self.links.get(&std::ptr::from_ref(primitive)) {
+    fn link(&mut self, primitive: &Arc<Primitive>) -> std::result::Result<Link, Unresolved> {
+        if let Some(known) = self.links.get(&Arc::as_ptr(primitive)) {
             return Ok(known.clone());
         }
         let link = if let Some(pattern) = Pattern::compile(primitive, &mut self.sources)? {
@@ -343,13 +351,13 @@ impl<'a> Builder<'a> {
         } else {
             return Err(Unresolved::Unsupported(unsupported(primitive)));
         };
-        self.links.insert(primitive, link.clone());
+        self.links.insert(Arc::as_ptr(primitive), link.clone());
         Ok(link)
     }
 
     /// The place of the material that a primitive defines.
-    fn material(&mut self, primitive: &'a Primitive, order: u32) -> std::result::Result<MaterialId, Unresolved> {
-        if let Some(&known) = self.materials.get(&std::ptr::from_ref(primitive)) {
+    fn material(&mut self, primitive: &Arc<Primitive>, order: u32) -> std::result::Result<MaterialId, Unresolved> {
+        if let Some(&known) = self.materials.get(&Arc::as_ptr(primitive)) {
             return Ok(known);
         }
         let Some(material) = Material::of(primitive)? else { return Err(Unresolved::Unsupported(unsupported(primitive))) };
@@ -362,25 +370,57 @@ impl<'a> Builder<'a> {
         };
         let orientation = Texture::orientation(primitive, &mut self.sources)?;
         self.scene.materials.push(Named { name: primitive.name.clone(), material, orientation, alternate, order });
-        self.materials.insert(primitive, self.scene.materials.len() - 1);
+        self.materials.insert(Arc::as_ptr(primitive), self.scene.materials.len() - 1);
         Ok(self.scene.materials.len() - 1)
     }
 
     /// The mesh file that a primitive names.
-    fn model(&mut self, primitive: &Primitive) -> Result<Arc<import::Model>> {
-        let Some(name) = primitive.strings.first() else { return Err(primitive.error("a mesh needs the name of its file")) };
+    fn model(&mut self, primitive: &Primitive) -> std::result::Result<Arc<Model>, Unresolved> {
+        let Some(name) = primitive.strings.first() else { return Err(primitive.error("a mesh needs the name of its file").into()) };
         if let Some(known) = self.meshes.get(name) {
             return Ok(known.clone());
         }
         let bytes = self.resolve.library(name).map_err(|e| primitive.string_error(0, e.message))?;
-        let model = Arc::new(import::model(&bytes, name)?);
+        let MeshFile { mesh, materials, scene } = import::mesh(bytes, name)?;
+        // What the file brings along has names of its own.
+        let outside = std::mem::take(&mut self.names);
+        let embedded = self.embedded(&materials, &scene);
+        self.names = outside;
+        let model = Arc::new(Model { mesh: Arc::new(mesh), materials, embedded: embedded? });
         self.meshes.insert(name.clone(), model.clone());
         Ok(model)
     }
 
-    /// The chains of a mesh's own materials.
-    fn embedded(&mut self, _primitive: &Primitive, _model: &import::Model) -> std::result::Result<Vec<ChainId>, Unresolved> {
-        Ok(vec![self.chain(None)?])
+    /// The chains of the materials that a mesh file brings along, as far as its triangles use them.
+    fn embedded(&mut self, materials: &[MeshMaterial], scene: &Document) -> std::result::Result<HashMap<usize, ChainId>, Unresolved> {
+        let mut chains = HashMap::new();
+        for (number, primitive) in scene.primitives().enumerate() {
+            let definition = self.define(primitive)?;
+            if materials.contains(&MeshMaterial::Embedded(number)) {
+                chains.insert(number, self.chain(Some(definition))?);
+            }
+        }
+        Ok(chains)
+    }
+
+    /// The chains of a mesh's materials where it has no modifier of its own.
+    fn own(&mut self, primitive: &Primitive, model: &Model) -> std::result::Result<Vec<ChainId>, Unresolved> {
+        let mut chains = Vec::new();
+        for material in &model.materials {
+            chains.push(match material {
+                MeshMaterial::Void => self.chain(None)?,
+                MeshMaterial::Embedded(number) => model.embedded[number],
+                MeshMaterial::Named(name) => match self.find(name, self.definitions.len()) {
+                    Some(definition) => self.chain(Some(definition))?,
+                    None => {
+                        return Err(primitive
+                            .string_error(0, format!("the mesh uses a modifier `{name}`, which is not defined before this"))
+                            .into());
+                    }
+                },
+            });
+        }
+        Ok(if chains.is_empty() { vec![self.chain(None)?] } else { chains })
     }
 
     /// A measured place of an environment map: `#@probe X Y Z GLOW_ID`.

@@ -16,16 +16,7 @@ use inverad::world::World;
 use serde_json::Value;
 
 /// Vectors that need primitives which are not rendered yet.
-const NOT_YET: [&str; 8] = [
-    "ashik2",
-    "mirror_virtual_light",
-    "irradiance_I",
-    "antimatter",
-    "mist_absorb",
-    "mesh_smooth_uv",
-    "mesh_modifier_xform",
-    "instance_frozen",
-];
+const NOT_YET: [&str; 6] = ["ashik2", "mirror_virtual_light", "irradiance_I", "antimatter", "mist_absorb", "instance_frozen"];
 
 /// Vectors that RADIANCE answers by an approximation of its own: the converged value is compared instead.
 const APPROXIMATE: [&str; 1] = ["polygon_light_ds.02"];
