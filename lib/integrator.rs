@@ -71,6 +71,12 @@ pub trait Scattering {
         self.bsdf().pdf(part, wi)
     }
 
+    /// The expected number of samples of each part, and of directions aimed at the environment, while all ways on are followed: 1, unless
+    /// there is better use for the time.
+    fn rates(&self) -> ([f64; 4], f64) {
+        ([1.0; 4], 1.0)
+    }
+
     /// Whether lamps must not be found by sampling this part.
     fn lamps_differ(&self, part: Part) -> bool {
         self.bsdf().lamps_differ(part)
@@ -136,6 +142,8 @@ struct Ways {
     share: [f64; 6],
     /// The one that is taken; all if `None`.
     chosen: Option<usize>,
+    /// The expected number of directions aimed at the environment.
+    aimed: f64,
 }
 
 impl Ways {
@@ -153,8 +161,8 @@ struct Scattered {
     density: f64,
     /// Whether lamps found on this path count: they do not where they are summed by RADIANCE's rule, or behind a mirror.
     lamps: bool,
-    /// Whether samples aimed at the environment share it.
-    shared: bool,
+    /// The expected number of samples aimed at the environment that share it.
+    shared: f64,
 }
 
 /// Below this weight a path goes on by roulette.
@@ -242,7 +250,7 @@ impl<'a, B: Clone> Integrator<'a, B> {
                     0.0 => 0.0,
                     aimed => s.density / (s.density + aimed),
                 },
-                Emitter::Environment if s.shared => s.density / (s.density + self.world.environment_pdf(s.direction)),
+                Emitter::Environment if s.shared > 0.0 => s.density / (s.density + s.shared * self.world.environment_pdf(s.direction)),
                 Emitter::Environment | Emitter::Glow => 1.0,
                 Emitter::Hidden => 0.0,
             },
@@ -266,7 +274,7 @@ impl<'a, B: Clone> Integrator<'a, B> {
         }
         let ways = self.ways(transport, &mut at, &surface);
         self.aim_at_lamps(transport, &mut at, &surface, &ways.counts);
-        self.aim_at_environment(transport, &mut at, &surface, &ways.counts);
+        self.aim_at_environment(transport, &mut at, &surface, &ways);
         for part in Part::ALL {
             if ways.weights[part as usize] > 0.0 && ways.take(2 + part as usize) {
                 self.gather(transport, &mut at, &surface, part, &ways);
@@ -281,7 +289,7 @@ impl<'a, B: Clone> Integrator<'a, B> {
 
     /// How to go on from a surface: in every way there is while nothing was left to chance, else in one, chosen in proportion to what it carries.
     fn ways<T: Transport<Beta = B>>(&mut self, transport: &mut T, at: &mut Segment<B>, surface: &T::Surface) -> Ways {
-        let mut ways = Ways { weights: surface.weights(), counts: [0.0; 4], share: [1.0; 6], chosen: None };
+        let mut ways = Ways { weights: surface.weights(), counts: [0.0; 4], share: [1.0; 6], chosen: None, aimed: 1.0 };
         if at.bounces >= self.rules.ambient_bounces {
             for side in 0..2 {
                 if std::mem::take(&mut ways.weights[side]) > 0.0 && self.rules.ambient_value != Rgb::ZERO {
@@ -298,10 +306,12 @@ impl<'a, B: Clone> Integrator<'a, B> {
                 ways.chosen = Some(self.choose(at, &ways.share));
             }
         }
+        let (rates, aimed) = surface.rates();
+        ways.aimed = if at.exact { aimed } else { 1.0 };
         for part in Part::ALL {
             let k = part as usize;
             if ways.weights[k] > 0.0 && self.spread(part).is_none() {
-                ways.counts[k] = if at.exact { 1.0 } else { ways.share[2 + k] / surface.ways(part) as f64 };
+                ways.counts[k] = if at.exact { rates[k] } else { ways.share[2 + k] / surface.ways(part) as f64 };
             }
         }
         ways
@@ -340,7 +350,7 @@ impl<'a, B: Clone> Integrator<'a, B> {
     fn gather<T: Transport<Beta = B>>(&mut self, transport: &mut T, at: &mut Segment<B>, surface: &T::Surface, part: Part, ways: &Ways) {
         let k = part as usize;
         let weight = self.factor(ways.weights[k], ways.share[2 + k]);
-        let mut from = Scattered { origin: at.ray.origin, direction: Vec3::ZERO, density: 0.0, lamps: false, shared: false };
+        let mut from = Scattered { origin: at.ray.origin, direction: Vec3::ZERO, density: 0.0, lamps: false, shared: 0.0 };
         if let Some(spread) = self.spread(part) {
             let mut sampler = at.sampler.fork();
             if let Some((wi, color)) = surface.bsdf().unweighted(part, spread, &mut sampler) {
@@ -355,8 +365,12 @@ impl<'a, B: Clone> Integrator<'a, B> {
         }
         let count = surface.ways(part);
         let only = if at.exact || count == 1 { None } else { Some(((self.draw(at)[0] * count as f64) as usize).min(count - 1)) };
-        (from.lamps, from.shared) = (self.rules.light_jitter.is_none() && !surface.lamps_differ(part), true);
+        (from.lamps, from.shared) = (self.rules.light_jitter.is_none() && !surface.lamps_differ(part), ways.aimed);
         for way in (0..count).filter(|&w| only.is_none_or(|o| o == w)) {
+            // A part that is not worth a sample each time gets one now and then.
+            if at.exact && ways.counts[k] < 1.0 && self.draw(at)[0] >= ways.counts[k] {
+                continue;
+            }
             let u = self.draw(at);
             let Some(wi) = surface.sample(part, way, u) else { continue };
             from.density = ways.counts[k] * surface.pdf(part, wi);
@@ -399,7 +413,7 @@ impl<'a, B: Clone> Integrator<'a, B> {
         if delta.reflected
             && let Some(s) = &mut next.scattered
         {
-            (s.lamps, s.shared) = (false, false);
+            (s.lamps, s.shared) = (false, 0.0);
         }
         let weight = self.factor(delta.coefficient.max_element(), share);
         self.push(transport, next, weight, delta.reflected);
@@ -472,9 +486,12 @@ impl<'a, B: Clone> Integrator<'a, B> {
         transport: &mut T,
         at: &mut Segment<B>,
         surface: &T::Surface,
-        counts: &[f64; 4],
+        ways: &Ways,
     ) {
-        if counts == &[0.0; 4] || !self.world.has_environment() {
+        if ways.counts == [0.0; 4] || !self.world.has_environment() {
+            return;
+        }
+        if ways.aimed < 1.0 && self.draw(at)[0] >= ways.aimed {
             return;
         }
         let u = self.draw(at);
@@ -482,9 +499,9 @@ impl<'a, B: Clone> Integrator<'a, B> {
         let wi = surface.bsdf().to_local(direction);
         let mut weights = [0.0; 4];
         for part in Part::ALL {
-            let count = counts[part as usize];
+            let count = ways.counts[part as usize];
             if count > 0.0 {
-                weights[part as usize] = 1.0 / (pdf + count * surface.pdf(part, wi));
+                weights[part as usize] = 1.0 / (ways.aimed * pdf + count * surface.pdf(part, wi));
             }
         }
         let beta = transport.scatter(&at.beta, surface, wi, Arriving::Indirect, &weights);

@@ -1,7 +1,7 @@
 //! What a material is: its type and numbers, in RADIANCE's order and range.
 
 use crate::color::Rgb;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::rad::Primitive;
 use crate::vector::Vec3;
 
@@ -232,9 +232,4 @@ impl Arguments<'_> {
             isotropic: roughnesses == 1,
         }
     }
-}
-
-/// An error that names a primitive whose type is not rendered, and what to do about it.
-pub fn unsupported(primitive: &Primitive) -> Error {
-    primitive.error(format!("{} is not supported; replace it, or leave its surfaces out with --skip-unsupported", primitive.kind))
 }

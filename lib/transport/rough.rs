@@ -103,6 +103,8 @@ pub struct Rough {
     pub proposals: Vec<Alpha>,
     /// The products of coefficients.
     pub monomials: Monomials,
+    /// How many samples the first hit gets: of its diffuse parts, of each proposal, of the environment.
+    pub rates: [f64; 3],
     /// The nodes in lanes: inverses of the two squared roughnesses, and of the root of their product.
     lanes: Vec<(f32x8, f32x8, f32x8)>,
 }
@@ -116,7 +118,7 @@ impl Rough {
             .map(|c| (lane(&|a| 1.0 / a[0], c), lane(&|a| 1.0 / a[1], c), lane(&|a| 1.0 / (a[0] * a[1]).sqrt(), c)))
             .collect();
         let monomials = Monomials::new(transmits, nodes.len());
-        Self { material, metal, transmits, nodes, proposals, monomials, lanes }
+        Self { material, metal, transmits, nodes, proposals, monomials, rates: [1.0; 3], lanes }
     }
 }
 
@@ -352,6 +354,13 @@ impl Scattering for Surface<'_> {
                 unknown.proposals.iter().map(density).sum()
             }
             _ => self.bsdf().pdf(part, wi),
+        }
+    }
+
+    fn rates(&self) -> ([f64; 4], f64) {
+        match self {
+            Self::Known(_) => ([1.0; 4], 1.0),
+            Self::Unknown { unknown, .. } => ([unknown.rates[0], unknown.rates[0], unknown.rates[1], unknown.rates[1]], unknown.rates[2]),
         }
     }
 
