@@ -481,13 +481,7 @@ impl<'a, B: Clone> Integrator<'a, B> {
     }
 
     /// Light of the environment, for the parts that gather it.
-    fn aim_at_environment<T: Transport<Beta = B>>(
-        &mut self,
-        transport: &mut T,
-        at: &mut Segment<B>,
-        surface: &T::Surface,
-        ways: &Ways,
-    ) {
+    fn aim_at_environment<T: Transport<Beta = B>>(&mut self, transport: &mut T, at: &mut Segment<B>, surface: &T::Surface, ways: &Ways) {
         if ways.counts == [0.0; 4] || !self.world.has_environment() {
             return;
         }

@@ -31,6 +31,9 @@
 //! | [`anneal`] | simulated annealing of a vector; knows no graphics | rand, serde |
 //! | [`unknown`] | which numbers of a file are unknown, and the file with those numbers in place | serde |
 //! | [`expand`] | inline commands (`xform`, `genbox` …) done in-process; the gate for all others | |
+//! | [`support`] | which primitive types are rendered | |
+//! | [`check`] | all that is wrong with a scene, in one go | |
+//! | [`inventory`] | what a scene holds, and what rendering it takes | |
 //! | [`import`] | `.rtm`, `.oct`, `.obj`: triangles and documents | |
 //! | [`scene`] | Document to Scene: modifiers, aliases, types, patterns resolved | |
 //! | [`bsdf`] | what a material does at a point: value, sample, density | |

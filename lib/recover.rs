@@ -85,8 +85,12 @@ pub fn recover(evidence: &Evidence, unknown: &Unknown, material: MaterialId, eff
         return Err(Error::new(format!("no pixel of the picture shows `{}`: check the view and the mask", unknown.material().name)));
     }
     match unknown.material().kind.as_str() {
-        "plastic" | "metal" | "trans" | "plastic2" | "metal2" | "trans2" => rough::recover(evidence, unknown, material, &pixels, effort, tell),
-        kind => Err(unknown.material().error(format!("the numbers of {kind} cannot be recovered; use plastic, metal, trans or dielectric"))),
+        "plastic" | "metal" | "trans" | "plastic2" | "metal2" | "trans2" => {
+            rough::recover(evidence, unknown, material, &pixels, effort, tell)
+        }
+        kind => {
+            Err(unknown.material().error(format!("the numbers of {kind} cannot be recovered; use plastic, metal, trans or dielectric")))
+        }
     }
 }
 

@@ -66,7 +66,8 @@ impl Basis {
     /// Takes in further samples of the same pixels, traced with another seed.
     pub fn join(&mut self, other: &Self) {
         let width = self.sets * 3 * self.columns;
-        let pixels = self.values.par_chunks_mut(width).zip(other.values.par_chunks(width)).zip(self.samples.par_iter_mut()).zip(&other.samples);
+        let pixels =
+            self.values.par_chunks_mut(width).zip(other.values.par_chunks(width)).zip(self.samples.par_iter_mut()).zip(&other.samples);
         pixels.for_each(|(((mine, others), samples), &more)| {
             let total = *samples + more;
             if more > 0 {

@@ -5,8 +5,8 @@ use super::gram::{Form, Gram};
 use super::model::{Kind, Model, alphas};
 use super::statistics::{Channels, Sheet, covariances, pictures, shares};
 use super::{Effort, Evidence, Recovery};
-use crate::anneal::{Annealer, Options};
 use crate::anneal::linear::Symmetric;
+use crate::anneal::{Annealer, Options};
 use crate::error::Result;
 use crate::sampling::mix64;
 use crate::scene::MaterialId;
@@ -60,7 +60,14 @@ fn around(middle: f64, ratio: f64, count: usize) -> Vec<f64> {
 }
 
 /// Recovers the numbers.
-pub fn recover(evidence: &Evidence, unknown: &Unknown, material: MaterialId, pixels: &[usize], effort: Effort, tell: &dyn Fn(&str)) -> Result<Recovery> {
+pub fn recover(
+    evidence: &Evidence,
+    unknown: &Unknown,
+    material: MaterialId,
+    pixels: &[usize],
+    effort: Effort,
+    tell: &dyn Fn(&str),
+) -> Result<Recovery> {
     let name = unknown.material().kind.as_str();
     let kind = Kind { metal: name.starts_with("metal"), transmits: name.starts_with("trans"), anisotropic: name.ends_with('2') };
     let parameters = unknown.parameters();
@@ -142,7 +149,15 @@ impl Stage<'_> {
     }
 
     /// Traces and fits, round by round, until the noise of the rendering hardly matters.
-    fn look(&self, sheet: &Sheet, near: &Point, bounds: &[(f64, f64)], rounds: &[f64], shares: &[f64], seeds: &mut Seeds) -> (Recovery, Vec<f64>) {
+    fn look(
+        &self,
+        sheet: &Sheet,
+        near: &Point,
+        bounds: &[(f64, f64)],
+        rounds: &[f64],
+        shares: &[f64],
+        seeds: &mut Seeds,
+    ) -> (Recovery, Vec<f64>) {
         let mut best = near.values.clone();
         let mut basis: Option<Basis> = None;
         for (round, mean) in rounds.iter().enumerate() {
@@ -167,7 +182,15 @@ impl Stage<'_> {
     }
 
     /// What the bottom of a valley is worth: the values there, freed of the bias of the rendering's noise, and their covariance.
-    fn conclude(&self, basis: &Basis, sheet: &Sheet, weights: &Channels, variance: &[[f64; 3]], problem: &Problem, values: &[f64]) -> (Recovery, Vec<f64>) {
+    fn conclude(
+        &self,
+        basis: &Basis,
+        sheet: &Sheet,
+        weights: &Channels,
+        variance: &[[f64; 3]],
+        problem: &Problem,
+        values: &[f64],
+    ) -> (Recovery, Vec<f64>) {
         let count = values.len();
         let x = self.coefficients(values);
         let jacobian = problem.jacobian(values);
@@ -175,7 +198,8 @@ impl Stage<'_> {
         let matrix = Symmetric::of(count, |i, j| matrix[i][j]);
         let halves = pictures(basis, &x);
         let derivatives: Vec<Vec<Vec<[f64; 3]>>> = jacobian.iter().map(|j| pictures(basis, j)).collect();
-        let mean = |d: &Vec<Vec<[f64; 3]>>| (0..sheet.target.len()).map(|p| std::array::from_fn(|c| 0.5 * (d[0][p][c] + d[1][p][c]))).collect();
+        let mean =
+            |d: &Vec<Vec<[f64; 3]>>| (0..sheet.target.len()).map(|p| std::array::from_fn(|c| 0.5 * (d[0][p][c] + d[1][p][c]))).collect();
         let means: Vec<Vec<[f64; 3]>> = derivatives.iter().map(mean).collect();
         let nothing = Symmetric::diagonal(&vec![f64::INFINITY; count]);
         let covariance = covariances(&matrix, &sheet.target, weights, &halves, &means);
@@ -203,8 +227,15 @@ impl Stage<'_> {
 
 /// The deepest valley: annealing inside the bounds, and descents from every roughness in case it was not found.
 fn search(problem: &Problem, unknown: &Unknown, seed: u64, grid: &[f64], roughness: Option<usize>) -> Result<Point> {
-    let options =
-        Options { seed, steps: STEPS, groups: unknown.groups().to_vec(), stages: vec![1.0], polish: false, tolerance: None, residuals: None };
+    let options = Options {
+        seed,
+        steps: STEPS,
+        groups: unknown.groups().to_vec(),
+        stages: vec![1.0],
+        polish: false,
+        tolerance: None,
+        residuals: None,
+    };
     let mut annealer = Annealer::new(unknown.parameters().to_vec(), options)?;
     while let Some(values) = annealer.propose() {
         let chi2 = problem.chi2(values);

@@ -93,12 +93,11 @@ pub fn pictures(basis: &Basis, x: &[Vec<f64>; 3]) -> Vec<Vec<[f64; 3]>> {
 
 /// How further samples are best shared among the pixels (Neyman 1934): in proportion to what the error of a sample does to the values, each
 /// measured by its own error. `inverse` is that of Gauss and Newton's matrix; the mean share is 1.
-pub fn shares(
-    inverse: &Symmetric, errors: &[f64], weights: &Channels, variance: &[[f64; 3]], derivatives: &[Vec<[f64; 3]>],
-) -> Vec<f64> {
+pub fn shares(inverse: &Symmetric, errors: &[f64], weights: &Channels, variance: &[[f64; 3]], derivatives: &[Vec<[f64; 3]>]) -> Vec<f64> {
     let n = inverse.size();
     let spread = |p: usize| -> f64 {
-        let moved = |i: usize, c: usize| (0..n).map(|j| inverse.at(i, j) * derivatives[j][p][c]).sum::<f64>() * weights[p][c] as f64 / errors[i];
+        let moved =
+            |i: usize, c: usize| (0..n).map(|j| inverse.at(i, j) * derivatives[j][p][c]).sum::<f64>() * weights[p][c] as f64 / errors[i];
         (0..3).map(|c| variance[p][c] * (0..n).map(|i| moved(i, c).powi(2)).sum::<f64>()).sum::<f64>().sqrt()
     };
     let spreads: Vec<f64> = (0..weights.len()).map(spread).collect();
@@ -111,7 +110,11 @@ pub fn shares(
 /// The sandwich form (White 1980): `matrix` is Gauss and Newton's, the scores are summed per pixel over the channels, whose errors go together.
 /// `derivatives` are the pictures' derivatives by each parameter.
 pub fn covariances(
-    matrix: &Symmetric, target: &Channels, weights: &Channels, pictures: &[Vec<[f64; 3]>], derivatives: &[Vec<[f64; 3]>],
+    matrix: &Symmetric,
+    target: &Channels,
+    weights: &Channels,
+    pictures: &[Vec<[f64; 3]>],
+    derivatives: &[Vec<[f64; 3]>],
 ) -> Option<(Symmetric, Symmetric)> {
     let inverse = matrix.inverse()?;
     let (n, sets) = (matrix.size(), pictures.len() as f64);
@@ -134,9 +137,7 @@ pub fn covariances(
         }
     }
     let wrap = |middle: Symmetric| {
-        Symmetric::of(n, |i, j| {
-            (0..n).map(|a| (0..n).map(|b| inverse.at(i, a) * middle.at(a, b) * inverse.at(b, j)).sum::<f64>()).sum()
-        })
+        Symmetric::of(n, |i, j| (0..n).map(|a| (0..n).map(|b| inverse.at(i, a) * middle.at(a, b) * inverse.at(b, j)).sum::<f64>()).sum())
     };
     Some((wrap(all), wrap(own)))
 }
