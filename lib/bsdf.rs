@@ -7,15 +7,12 @@ pub mod lobe;
 pub mod smooth;
 
 use crate::color::Rgb;
-use crate::material::{AIR, Inside, Material};
+use crate::material::{AIR, Inside, Material, PURE, Reflectance};
 use crate::rules::Rules;
 use crate::sampling::{Sampler, cosine_hemisphere};
 use crate::vector::{Frame, Vec3};
 use lobe::{fresnel, reflection, reflection_pdf, sample_reflection, sample_transmission, transmission, transmission_pdf};
 use std::f64::consts::PI;
-
-/// Roughness at or below this is none at all: a mirror (RADIANCE, `a² ≤ 1e-6`).
-pub const PURE: f64 = 0.001;
 
 /// Specularity from which a polished surface has a Fresnel term.
 const FRESNEL_FROM: f64 = 0.017999;
@@ -124,32 +121,6 @@ pub struct Bsdf {
     /// Directions scattered into alone.
     pub deltas: [Option<Delta>; 2],
     fresnel: bool,
-}
-
-/// The numbers of plastic, metal, trans and their anisotropic kin at a point.
-#[derive(Clone, Copy, Debug)]
-pub struct Reflectance {
-    /// A1 to A3 times the pattern.
-    pub color: Rgb,
-    /// A4, the specularity.
-    pub specularity: f64,
-    /// A5, the roughness, once or along u and v.
-    pub roughness: [f64; 2],
-    /// A6, the total transmission.
-    pub transmission: f64,
-    /// A7, the specular fraction of it.
-    pub transmitted_specular: f64,
-    /// Whether the specular part is coloured: metal.
-    pub metal: bool,
-    /// Whether it may be a mirror: the isotropic types.
-    pub isotropic: bool,
-}
-
-impl Reflectance {
-    /// A Lambertian surface.
-    pub fn diffuse(color: Rgb) -> Self {
-        Self { color, specularity: 0.0, roughness: [0.0; 2], transmission: 0.0, transmitted_specular: 0.0, metal: false, isotropic: true }
-    }
 }
 
 impl Bsdf {

@@ -1,6 +1,5 @@
 //! What a material is: its type and numbers, in RADIANCE's order and range.
 
-use crate::bsdf::{PURE, Reflectance};
 use crate::color::Rgb;
 use crate::error::Result;
 use crate::rad::Primitive;
@@ -29,6 +28,25 @@ pub enum Material {
     Spotlight(Rgb, f64, Vec3),
 }
 
+/// The numbers of plastic, metal, trans and their anisotropic kin.
+#[derive(Clone, Copy, Debug)]
+pub struct Reflectance {
+    /// A1 to A3 times the pattern.
+    pub color: Rgb,
+    /// A4, the specularity.
+    pub specularity: f64,
+    /// A5, the roughness, once or along u and v.
+    pub roughness: [f64; 2],
+    /// A6, the total transmission.
+    pub transmission: f64,
+    /// A7, the specular fraction of it.
+    pub transmitted_specular: f64,
+    /// Whether the specular part is coloured: metal.
+    pub metal: bool,
+    /// Whether it may be a mirror: the isotropic types.
+    pub isotropic: bool,
+}
+
 /// A transparent medium.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Medium {
@@ -45,6 +63,13 @@ pub struct Inside {
     pub extinction: Rgb,
     /// Whether it is the unknown that fills it: then its extinction is not known, and the length is what counts.
     pub unknown: bool,
+}
+
+impl Reflectance {
+    /// A Lambertian surface.
+    pub fn diffuse(color: Rgb) -> Self {
+        Self { color, specularity: 0.0, roughness: [0.0; 2], transmission: 0.0, transmitted_specular: 0.0, metal: false, isotropic: true }
+    }
 }
 
 impl Inside {
@@ -70,6 +95,9 @@ impl Inside {
         self.extinction.to_array().map(|e| if e == 0.0 { 1.0 } else { through(e * length) }).into()
     }
 }
+
+/// Roughness at or below this is none at all: a mirror (RADIANCE, `a² ≤ 1e-6`).
+pub const PURE: f64 = 0.001;
 
 /// What is outside a dielectric.
 pub const AIR: Medium = Medium { transmissivity: Rgb::ONE, index: 1.0 };

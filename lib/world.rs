@@ -4,13 +4,13 @@
 //! from. What the scene does not use is not built: no table for a uniform environment, no shadow paths where nothing is transparent.
 
 use crate::accel::{self, Accel, Geometry, Hit, Rank};
-use crate::bsdf::{Bsdf, Point, Reflectance};
+use crate::bsdf::{Bsdf, Point};
 use crate::color::{Rgb, bright};
 use crate::environment::Environment;
 use crate::error::{Error, Result};
 use crate::geometry::{Mesh, Ray};
 use crate::light::{self, Lamp, ToLamp};
-use crate::material::{Inside, Material};
+use crate::material::{Inside, Material, Reflectance};
 use crate::pattern::At;
 use crate::rules::Rules;
 use crate::scene::{Chain, ChainId, Distant, End, Form, Link, MaterialId, Named, Scene};
