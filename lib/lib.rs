@@ -16,7 +16,7 @@
 //! | [`vector`] | points, directions, bases, affine maps | glam |
 //! | [`color`] | what a radiance is | |
 //! | [`resolve`] | who reads a file or runs a command for the library | |
-//! | [`rad`] | the `.rad` syntax, lossless: statements of words that keep what stands between them | nom |
+//! | [`rad`] | the `.rad` syntax, lossless: statements of words that keep what stands between them | nom, serde, serde_json |
 //! | [`transform`] | what `xform` options do to points | |
 //! | [`cal`] | the `.cal` language: text, expression, number | nom |
 //! | [`sampling`] | low-discrepancy numbers, warps and their densities, tables, weights | |
