@@ -16,6 +16,7 @@ use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 pub mod exec;
+pub mod photo;
 pub mod search;
 
 mod disk;

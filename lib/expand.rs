@@ -28,7 +28,7 @@ const PRIMITIVE_LIMIT: usize = 32_000_000;
 const ERROR_LIMIT: usize = 1000;
 
 /// A description without commands.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Flat {
     /// The primitives, in the order of the files. Names are not resolved.
     pub primitives: Vec<Primitive>,

@@ -19,7 +19,7 @@ use crate::scene::MaterialId;
 use crate::unknown::Unknown;
 use crate::world::World;
 use rayon::prelude::*;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// What is known: the scene, the view, the picture.
 pub struct Evidence<'a> {
@@ -40,15 +40,10 @@ pub struct Evidence<'a> {
 pub struct Effort {
     /// Fixes every random choice.
     pub seed: u64,
-    /// When to end, if the answer is not as good as the picture allows before.
-    pub until: Instant,
-}
-
-impl Effort {
-    /// As much as fits into a time.
-    pub fn of(seed: u64, time: Duration) -> Self {
-        Self { seed, until: Instant::now() + time }
-    }
+    /// When to end, if not when the noise of the rendering hardly matters any more.
+    pub until: Option<Instant>,
+    /// The standard error that every value is to have, if not what the picture allows.
+    pub tolerance: Option<f64>,
 }
 
 /// What was found.
@@ -78,12 +73,28 @@ impl Recovery {
     }
 }
 
+impl Evidence<'_> {
+    /// The pixels that show the unknown, and count; errors if there is none.
+    pub fn pixels(&self, unknown: &Unknown, material: MaterialId) -> Result<Vec<usize>> {
+        let lens = self.film.lens();
+        let shown = |n: &usize| {
+            self.mask.is_none_or(|mask| mask[*n] > 0.0)
+                && (0..16).any(|k| {
+                    let at = [(k % 4) as f64 / 4.0 + 0.125, (k / 4) as f64 / 4.0 + 0.125];
+                    lens(*n, at).is_some_and(|(origin, direction, _)| self.world.shows(&Ray { origin, direction }, material))
+                })
+        };
+        let pixels: Vec<usize> = (0..self.film.width * self.film.height).into_par_iter().filter(shown).collect();
+        if pixels.is_empty() {
+            return Err(Error::new(format!("no pixel of the picture shows `{}`: check the view and the mask", unknown.material().name)));
+        }
+        Ok(pixels)
+    }
+}
+
 /// Recovers an unknown material of the scene. `tell` hears how far it is.
 pub fn recover(evidence: &Evidence, unknown: &Unknown, material: MaterialId, effort: Effort, tell: &dyn Fn(&str)) -> Result<Recovery> {
-    let pixels = covered(evidence, material);
-    if pixels.is_empty() {
-        return Err(Error::new(format!("no pixel of the picture shows `{}`: check the view and the mask", unknown.material().name)));
-    }
+    let pixels = evidence.pixels(unknown, material)?;
     match unknown.material().kind.as_str() {
         "plastic" | "metal" | "trans" | "plastic2" | "metal2" | "trans2" => {
             rough::recover(evidence, unknown, material, &pixels, effort, tell)
@@ -92,19 +103,4 @@ pub fn recover(evidence: &Evidence, unknown: &Unknown, material: MaterialId, eff
             Err(unknown.material().error(format!("the numbers of {kind} cannot be recovered; use plastic, metal, trans or dielectric")))
         }
     }
-}
-
-/// The pixels that show the material, and count.
-fn covered(evidence: &Evidence, material: MaterialId) -> Vec<usize> {
-    let lens = evidence.film.lens();
-    (0..evidence.film.width * evidence.film.height)
-        .into_par_iter()
-        .filter(|&n| {
-            evidence.mask.is_none_or(|mask| mask[n] > 0.0)
-                && (0..16).any(|k| {
-                    let at = [(k % 4) as f64 / 4.0 + 0.125, (k / 4) as f64 / 4.0 + 0.125];
-                    lens(n, at).is_some_and(|(origin, direction, _)| evidence.world.shows(&Ray { origin, direction }, material))
-                })
-        })
-        .collect()
 }

@@ -22,7 +22,11 @@ pub fn documents(names: &[String]) -> Result<Vec<Document>> {
 
 /// The description that scene files make together.
 pub fn flat(names: &[String], options: &Scenes, resolve: &dyn Resolve) -> Result<Flat> {
-    let documents = documents(names)?;
+    flat_of(documents(names)?, options, resolve)
+}
+
+/// The description that documents make together.
+pub fn flat_of(documents: Vec<Document>, options: &Scenes, resolve: &dyn Resolve) -> Result<Flat> {
     if options.commands == Some(Commands::Deny) {
         refuse_commands(&documents)?;
     }
