@@ -3,8 +3,10 @@
 //! Simulated annealing over the transport basis finds the valley, coarse first and fine last; least squares find its bottom; the residuals of
 //! the pixels tell how far it can be trusted (Sun and Wu 2002, section 5; the basis makes a χ² cost microseconds).
 
+mod clear;
 pub mod fit;
 pub mod gram;
+mod look;
 pub mod model;
 mod rough;
 mod statistics;
@@ -15,6 +17,7 @@ use crate::geometry::Ray;
 use crate::picture::Picture;
 use crate::render::Film;
 use crate::rules::Rules;
+use crate::sampling::mix64;
 use crate::scene::MaterialId;
 use crate::unknown::Unknown;
 use crate::world::World;
@@ -61,12 +64,52 @@ pub struct Recovery {
     pub pixels: usize,
 }
 
-impl Recovery {
-    /// Whether the noise of the rendering hardly matters any more.
-    fn settled(&self) -> bool {
-        (0..self.values.len()).all(|i| self.own.at(i, i) <= 0.15 * self.covariance.at(i, i))
+impl Effort {
+    /// Whether the time is over.
+    fn late(&self) -> bool {
+        self.until.is_some_and(|until| Instant::now() >= until)
     }
 
+    /// Whether a recovery is as good as is wished for, or as the picture allows; `before` is what fewer samples gave.
+    fn contents(&self, found: &Recovery, before: Option<&Recovery>) -> bool {
+        let errors = found.errors();
+        let near = |i: usize| errors[i] <= self.tolerance.unwrap_or((NEAR * found.values[i].abs()).clamp(NEAREST.0, NEAREST.1));
+        let settled = |i: usize| {
+            found.own.at(i, i) <= OWN * found.covariance.at(i, i)
+                && before.is_some_and(|before| found.covariance.at(i, i) >= GAIN * before.covariance.at(i, i))
+        };
+        self.late() || (0..errors.len()).all(near) || self.tolerance.is_none() && (0..errors.len()).all(|i| near(i) || settled(i))
+    }
+}
+
+/// A standard error that satisfies when nothing is said: this part of the value, between two limits.
+const NEAR: f64 = 0.012;
+const NEAREST: (f64, f64) = (0.0003, 0.001);
+
+/// Or what the picture allows: the part of a variance that the rendering may make.
+const OWN: f64 = 0.15;
+/// And the part of a variance that twice the samples must leave over.
+const GAIN: f64 = 0.8;
+
+/// A seed for every tracing.
+struct Seeds {
+    state: u64,
+    used: usize,
+}
+
+impl Seeds {
+    fn new(seed: u64) -> Self {
+        Self { state: seed, used: 0 }
+    }
+
+    fn next(&mut self) -> u64 {
+        self.used += 1;
+        self.state = mix64(self.state.wrapping_add(0x9e37_79b9_7f4a_7c15));
+        self.state
+    }
+}
+
+impl Recovery {
     /// The standard error of each value.
     pub fn errors(&self) -> Vec<f64> {
         (0..self.values.len()).map(|i| self.covariance.at(i, i).max(0.0).sqrt()).collect()
@@ -99,8 +142,9 @@ pub fn recover(evidence: &Evidence, unknown: &Unknown, material: MaterialId, eff
         "plastic" | "metal" | "trans" | "plastic2" | "metal2" | "trans2" => {
             rough::recover(evidence, unknown, material, &pixels, effort, tell)
         }
-        kind => {
-            Err(unknown.material().error(format!("the numbers of {kind} cannot be recovered; use plastic, metal, trans or dielectric")))
-        }
+        "dielectric" | "glass" => clear::recover(evidence, unknown, material, &pixels, effort, tell),
+        kind => Err(unknown
+            .material()
+            .error(format!("the numbers of {kind} cannot be recovered; use plastic, metal, trans, dielectric or glass"))),
     }
 }

@@ -47,7 +47,9 @@ impl<'a> Photo<'a> {
         let (name, target) = read(target)?;
         let mut view = scene::view(&photo.view)?;
         if photo.view.words.is_empty() && !view.apply_header(target.header.lines.iter().map(String::as_str)) {
-            return Err(Error::new(format!("no view, and {name} does not say its own; give the view it was taken from with -vf FILE")).into());
+            return Err(
+                Error::new(format!("no view, and {name} does not say its own; give the view it was taken from with -vf FILE")).into()
+            );
         }
         let film = Film::new(&view, target.width, target.height, 0.0)?;
         let target = target.into_radiance();

@@ -66,7 +66,8 @@ fn search(start: &str, arguments: &Arguments, console: &Console) -> Outcome<Answ
         }
         (None, Some(target)) => look(start, target, arguments, console),
         (None, None) => {
-            let message = "what shows the unknown? give --scene SCENE -vf VIEW --target PICTURE, or --exec 'COMMAND that prints chi-squared'";
+            let message =
+                "what shows the unknown? give --scene SCENE -vf VIEW --target PICTURE, or --exec 'COMMAND that prints chi-squared'";
             Err(Error::new(message).into())
         }
     }
