@@ -7,6 +7,7 @@ mod light;
 mod mesh;
 mod polygon;
 mod quadric;
+mod reflect;
 mod sample;
 mod shape;
 
@@ -14,6 +15,7 @@ pub use light::{Facing, LightShape};
 pub use mesh::Mesh;
 pub use polygon::Polygon;
 pub use quadric::{Cone, Ring, Sphere};
+pub use reflect::Plane;
 pub use sample::AreaSampler;
 pub use shape::Shape;
 

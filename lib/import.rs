@@ -1,38 +1,71 @@
-//! stub
-use crate::error::*;
+//! What other programs made: RADIANCE's compiled meshes (`.rtm`) and octrees (`.oct`), and Wavefront's `.obj`.
+//!
+//! Nothing is allocated before the bytes that fill it are known to be there, and no input makes a reader panic.
+
+mod binary;
+mod obj;
+mod oct;
+mod rtm;
+mod triangulate;
+
+use crate::error::{Error, Result, Source};
 use crate::geometry::Mesh;
-use crate::rad::Primitive;
-use std::sync::Arc;
-/// m
-pub struct Model {
-    /// m
-    pub mesh: Arc<Mesh>,
-    /// p
-    pub modifiers: Vec<Primitive>,
-    /// m
-    pub materials: Vec<Option<usize>>,
+use crate::rad::Document;
+
+/// A mesh as a file holds it.
+#[derive(Clone, Debug)]
+pub struct MeshFile {
+    /// Its triangles; their materials are indices into `materials`.
+    pub mesh: Mesh,
+    /// What each material index means.
+    pub materials: Vec<MeshMaterial>,
+    /// The modifiers that a `.rtm` brings along, as if they stood in a scene file; without statements for an `.obj`.
+    pub scene: Document,
 }
-/// m
-pub fn model(bytes: &[u8], name: &str) -> Result<Model> {
-    let text = String::from_utf8_lossy(bytes);
-    let (mut positions, mut triangles) = (vec![], vec![]);
-    for l in text.lines() {
-        let w: Vec<&str> = l.split_whitespace().collect();
-        match w.first() {
-            Some(&"v") => positions.push(crate::vector::Vec3::new(w[1].parse().unwrap(), w[2].parse().unwrap(), w[3].parse().unwrap())),
-            Some(&"f") => {
-                let i: Vec<u32> = w[1..].iter().map(|s| s.split('/').next().unwrap().parse::<u32>().unwrap() - 1).collect();
-                for k in 1..i.len() - 1 {
-                    triangles.push([i[0], i[k], i[k + 1]]);
-                }
-            }
-            _ => {}
-        }
-    }
-    let _ = name;
-    Ok(Model {
-        mesh: Arc::new(Mesh { positions, normals: vec![], uvs: vec![], triangles, materials: vec![] }),
-        modifiers: vec![],
-        materials: vec![],
-    })
+
+/// What a material index of a mesh means.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum MeshMaterial {
+    /// No material.
+    Void,
+    /// The primitive of that number, from 0, in the scene that the file brings along.
+    Embedded(usize),
+    /// A modifier known by this name.
+    Named(String),
+}
+
+/// What an octree file stands for.
+#[derive(Clone, Debug)]
+pub enum Octree {
+    /// The scene files it was made from, in order; one that begins with `!` is a command.
+    Files(Vec<String>),
+    /// The scene itself, frozen.
+    Scene(Document),
+}
+
+/// The mesh in these bytes: a `.rtm` if it begins like one, otherwise an `.obj`. `name` is what the user knows it by.
+pub fn mesh(bytes: Vec<u8>, name: &str) -> Result<MeshFile> {
+    let file = if bytes.starts_with(binary::SIGNATURE) { rtm::read(&bytes, name)? } else { obj::read(bytes, name)? };
+    file.mesh.check(name)?;
+    Ok(file)
+}
+
+/// What the octree in these bytes stands for. `name` is what the user knows it by.
+pub fn octree(bytes: &[u8], name: &str) -> Result<Octree> {
+    oct::read(bytes, name)
+}
+
+/// Whether the bytes are an octree, by their header.
+pub fn is_octree(bytes: &[u8]) -> bool {
+    binary::Reader::new(bytes, "").header(oct::FORMAT).is_ok()
+}
+
+/// A document without statements.
+fn nothing(name: &str) -> Result<Document> {
+    Document::parse(Source::new(name, ""))
+}
+
+/// An error in the file as a whole.
+fn error(name: &str, message: impl std::fmt::Display) -> Error {
+    Error::new(format!("{name}: {message}"))
 }

@@ -5,6 +5,7 @@
 //! each part has samples of its own, weighted against those aimed at lamps and at the environment by the balance heuristic
 //! (Veach 1997, equation 9.8). Until the first random direction, all directions that a surface scatters into are followed; after that, one.
 
+use crate::accel::Hit;
 use crate::bsdf::{Arriving, Bsdf, Delta, Part};
 use crate::color::Rgb;
 use crate::geometry::Ray;
@@ -12,7 +13,7 @@ use crate::material::Inside;
 use crate::rules::Rules;
 use crate::sampling::Sampler;
 use crate::vector::Vec3;
-use crate::world::{Coming, Emission, Emitter, Layer, World};
+use crate::world::{Clip, Coming, Emission, Emitter, Layer, World};
 
 /// What paths carry, and what becomes of the light they find.
 pub trait Transport {
@@ -39,6 +40,39 @@ pub trait Transport {
     fn absorb(&self, beta: &mut Self::Beta, medium: &Inside, length: f64);
     /// Takes the light that a path found.
     fn collect(&mut self, beta: &Self::Beta, radiance: Rgb);
+    /// Hears of each ray of a path as it is followed.
+    fn visit(&mut self, _beta: &mut Self::Beta, _visit: &Visit) {}
+    /// Hears of each layer that a ray meets.
+    fn meet(&mut self, _beta: &Self::Beta, _layer: &Layer) {}
+}
+
+/// A ray on its way, as far as it is known to those who only watch.
+pub struct Visit<'a> {
+    /// The ray.
+    pub ray: &'a Ray,
+    /// What it met; `None` if it left the scene.
+    pub hit: Option<&'a Hit>,
+    /// RADIANCE's weight of the ray.
+    pub weight: f64,
+    /// How it came to be.
+    pub kind: Kind,
+}
+
+/// How a ray comes from the one before it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// It is the viewer's.
+    Primary,
+    /// Reflected in a single direction.
+    Reflected,
+    /// Let through, or refracted, in a single direction.
+    Transmitted,
+    /// Gone on, as nothing was there.
+    Passed,
+    /// Scattered.
+    Scattered,
+    /// Aimed at a light.
+    Shadow,
 }
 
 /// Scattering at a point, as far as the choice of directions goes: a material's own, unless it is unknown. Directions are local.
@@ -71,9 +105,9 @@ pub trait Scattering {
         self.bsdf().pdf(part, wi)
     }
 
-    /// Whether lamps must not be found by sampling this part.
-    fn lamps_differ(&self, part: Part) -> bool {
-        self.bsdf().lamps_differ(part)
+    /// By how much more a part scatters lamps than indirect light; `None` where lamps must not be found by sampling it.
+    fn lamp_ratio(&self, part: Part, wi: Vec3) -> Option<f64> {
+        self.bsdf().lamp_ratio(part, wi)
     }
 }
 
@@ -124,6 +158,9 @@ struct Segment<B> {
     scattered: Option<Scattered>,
     /// What a shadow ray was aimed at: it counts only if it ends there.
     aim: Option<Emitter>,
+    /// Its state among antimatter; `None` where there is none.
+    clip: Option<Box<Clip>>,
+    kind: Kind,
 }
 
 /// How paths go on from a surface. The ways are: its two deltas, its four parts.
@@ -151,8 +188,8 @@ struct Scattered {
     direction: Vec3,
     /// Density with which its directions are drawn from the surface, per solid angle.
     density: f64,
-    /// Whether lamps found on this path count: they do not where they are summed by RADIANCE's rule, or behind a mirror.
-    lamps: bool,
+    /// How much lamps found on this path count: not at all where they are summed by RADIANCE's rule, or behind a mirror.
+    lamps: f64,
     /// Whether samples aimed at the environment share it.
     shared: bool,
 }
@@ -168,8 +205,24 @@ impl<'a, B: Clone> Integrator<'a, B> {
 
     /// Follows one sample of `ray` as far as `limit`, and all it leads to.
     pub fn trace<T: Transport<Beta = B>>(&mut self, transport: &mut T, ray: Ray, limit: f64, sampler: Sampler) -> Outcome {
+        let segment = self.primary(transport, ray, limit, sampler);
+        self.stack.push(segment);
+        self.run(transport)
+    }
+
+    /// One sample of the irradiance at a point on the side that `normal` points to.
+    pub fn irradiance<T: Transport<Beta = B>>(&mut self, transport: &mut T, point: Vec3, normal: Vec3, sampler: Sampler) -> Outcome {
+        let ray = Ray { origin: point, direction: -normal };
+        let layer = self.world.collector(&ray, point);
+        let segment = self.primary(transport, ray, f64::INFINITY, sampler);
+        self.scatter(transport, segment, &layer);
+        self.run(transport)
+    }
+
+    /// The first ray of a path.
+    fn primary<T: Transport<Beta = B>>(&mut self, transport: &T, ray: Ray, limit: f64, sampler: Sampler) -> Segment<B> {
         self.outcome = Outcome::default();
-        self.stack.push(Segment {
+        Segment {
             ray,
             limit,
             beta: transport.start(),
@@ -182,15 +235,26 @@ impl<'a, B: Clone> Integrator<'a, B> {
             exact: true,
             scattered: None,
             aim: None,
-        });
-        while let Some(segment) = self.stack.pop() {
-            match self.world.nearest(&segment.ray, segment.limit) {
+            clip: None,
+            kind: Kind::Primary,
+        }
+    }
+
+    /// Follows what is on the stack, and all it leads to.
+    fn run<T: Transport<Beta = B>>(&mut self, transport: &mut T) -> Outcome {
+        while let Some(mut segment) = self.stack.pop() {
+            let hit = self.world.nearest(&segment.ray, segment.limit);
+            let visit = Visit { ray: &segment.ray, hit: hit.as_ref(), weight: segment.weight, kind: segment.kind };
+            transport.visit(&mut segment.beta, &visit);
+            match hit {
                 Some(hit) => {
                     let coming = Coming {
                         ray: &segment.ray,
                         travelled: segment.travelled,
                         aim: segment.aim,
-                        primary: segment.exact && segment.level == 0 && segment.scattered.is_none(),
+                        primary: segment.exact && segment.level == 0 && segment.scattered.is_none() && segment.aim.is_none(),
+                        gathered: segment.gathers(),
+                        clip: segment.clip.as_deref(),
                     };
                     self.outcome.surface |= segment.travelled == 0.0;
                     self.world.layers(&hit, &coming, self.rules, &mut |layer| self.meet(transport, &segment, hit.t, hit.point, layer));
@@ -204,7 +268,7 @@ impl<'a, B: Clone> Integrator<'a, B> {
 
     /// What lies behind everything.
     fn escape<T: Transport<Beta = B>>(&mut self, transport: &mut T, mut segment: Segment<B>) {
-        if let Some(emission) = self.world.sky(segment.ray.origin, segment.ray.direction) {
+        if let Some(emission) = self.world.sky(segment.ray.origin, segment.ray.direction, segment.aim, segment.gathers()) {
             transport.absorb(&mut segment.beta, &segment.medium, f64::INFINITY);
             self.emit(transport, &segment, &segment.beta, &emission);
         }
@@ -213,20 +277,30 @@ impl<'a, B: Clone> Integrator<'a, B> {
     /// One layer of what a segment hit.
     fn meet<T: Transport<Beta = B>>(&mut self, transport: &mut T, segment: &Segment<B>, t: f64, point: Vec3, layer: &Layer) {
         let mut beta = segment.beta.clone();
+        let mut weight = segment.weight;
         if layer.fraction != 1.0 {
             transport.scale(&mut beta, Rgb::splat(layer.fraction));
+            weight *= layer.fraction;
         }
-        transport.absorb(&mut beta, layer.behind.as_ref().unwrap_or(&segment.medium), t);
+        transport.meet(&beta, layer);
+        let medium = layer.behind.as_ref().unwrap_or(&segment.medium);
+        transport.absorb(&mut beta, medium, t);
+        // RADIANCE's weight reckons with a strong medium.
+        let dimmed = medium.extinction.min_element() * t;
+        if dimmed > 0.1 {
+            weight *= (-dimmed).exp();
+        }
         let onward = Segment {
             ray: Ray { origin: point, direction: segment.ray.direction },
             limit: segment.limit - t,
             travelled: segment.travelled + t,
             beta,
+            weight,
             ..segment.clone()
         };
         match (&layer.emission, layer.material.is_some()) {
             (Some(emission), _) => self.emit(transport, segment, &onward.beta, emission),
-            (None, false) => self.stack.push(onward),
+            (None, false) => self.stack.push(Segment { kind: Kind::Passed, ..onward.beyond(layer) }),
             (None, true) => self.scatter(transport, onward, layer),
         }
     }
@@ -237,10 +311,10 @@ impl<'a, B: Clone> Integrator<'a, B> {
             (Some(aim), _) => (aim == emission.emitter) as u8 as f64,
             (None, None) => (self.rules.lights_visible || emission.beyond) as u8 as f64,
             (None, Some(s)) => match emission.emitter {
-                Emitter::Lamp(_) if !s.lamps => 0.0,
+                Emitter::Lamp(_) if s.lamps == 0.0 => 0.0,
                 Emitter::Lamp(lamp) => match self.world.lamp_pdf(lamp, s.origin, s.direction) {
                     0.0 => 0.0,
-                    aimed => s.density / (s.density + aimed),
+                    aimed => s.lamps * s.density / (s.density + aimed),
                 },
                 Emitter::Environment if s.shared => s.density / (s.density + self.world.environment_pdf(s.direction)),
                 Emitter::Environment | Emitter::Glow => 1.0,
@@ -259,30 +333,35 @@ impl<'a, B: Clone> Integrator<'a, B> {
         let surface = transport.surface(layer, self.rules);
         at.limit = f64::INFINITY;
         if at.aim.is_some() {
-            if let Some(delta) = &surface.deltas()[1] {
-                self.follow(transport, &mut at, &surface, delta, 1.0);
+            let way = layer.relay.is_none() as usize;
+            if let Some(delta) = &surface.deltas()[way] {
+                let mut next = self.after(transport, &mut at, &surface, delta, layer);
+                if let Some(lamp) = layer.relay {
+                    next.aim = Some(Emitter::Lamp(lamp));
+                }
+                self.stack.push(next);
             }
             return;
         }
-        let ways = self.ways(transport, &mut at, &surface);
-        self.aim_at_lamps(transport, &mut at, &surface, &ways.counts);
-        self.aim_at_environment(transport, &mut at, &surface, &ways.counts);
+        let ways = self.ways(transport, &mut at, &surface, layer);
+        self.aim_at_lamps(transport, &mut at, &surface, &ways.counts, layer);
+        self.aim_at_environment(transport, &mut at, &surface, &ways.counts, layer);
         for part in Part::ALL {
             if ways.weights[part as usize] > 0.0 && ways.take(2 + part as usize) {
-                self.gather(transport, &mut at, &surface, part, &ways);
+                self.gather(transport, &mut at, &surface, part, &ways, layer);
             }
         }
         for side in 0..2 {
             if let Some(delta) = surface.deltas()[side].as_ref().filter(|_| ways.take(side)) {
-                self.follow(transport, &mut at, &surface, delta, ways.share[side]);
+                self.follow(transport, &mut at, &surface, delta, ways.share[side], layer);
             }
         }
     }
 
     /// How to go on from a surface: in every way there is while nothing was left to chance, else in one, chosen in proportion to what it carries.
-    fn ways<T: Transport<Beta = B>>(&mut self, transport: &mut T, at: &mut Segment<B>, surface: &T::Surface) -> Ways {
+    fn ways<T: Transport<Beta = B>>(&mut self, transport: &mut T, at: &mut Segment<B>, surface: &T::Surface, layer: &Layer) -> Ways {
         let mut ways = Ways { weights: surface.weights(), counts: [0.0; 4], share: [1.0; 6], chosen: None };
-        if at.bounces >= self.rules.ambient_bounces {
+        if at.bounces >= self.rules.ambient_bounces || !layer.gathers {
             for side in 0..2 {
                 if std::mem::take(&mut ways.weights[side]) > 0.0 && self.rules.ambient_value != Rgb::ZERO {
                     transport.collect(&transport.ambient(&at.beta, surface, side), self.rules.ambient_value);
@@ -300,7 +379,7 @@ impl<'a, B: Clone> Integrator<'a, B> {
         }
         for part in Part::ALL {
             let k = part as usize;
-            if ways.weights[k] > 0.0 && self.spread(part).is_none() {
+            if ways.weights[k] > 0.0 && self.spread(part, surface.bsdf()).is_none() {
                 ways.counts[k] = if at.exact { 1.0 } else { ways.share[2 + k] / surface.ways(part) as f64 };
             }
         }
@@ -327,7 +406,10 @@ impl<'a, B: Clone> Integrator<'a, B> {
     }
 
     /// The narrowing of a lobe that RADIANCE's unweighted rule samples; `None` where the lobe itself is integrated.
-    fn spread(&self, part: Part) -> Option<f64> {
+    fn spread(&self, part: Part, bsdf: &Bsdf) -> Option<f64> {
+        if bsdf.is_unweighted(part) {
+            return Some(1.0);
+        }
         let s = self.rules.specular_sampling?;
         match part {
             Part::SpecularReflection if s <= 1.5 => Some(s.min(1.0)),
@@ -337,11 +419,19 @@ impl<'a, B: Clone> Integrator<'a, B> {
     }
 
     /// Samples one part, and sends paths on.
-    fn gather<T: Transport<Beta = B>>(&mut self, transport: &mut T, at: &mut Segment<B>, surface: &T::Surface, part: Part, ways: &Ways) {
+    fn gather<T: Transport<Beta = B>>(
+        &mut self,
+        transport: &mut T,
+        at: &mut Segment<B>,
+        surface: &T::Surface,
+        part: Part,
+        ways: &Ways,
+        layer: &Layer,
+    ) {
         let k = part as usize;
         let weight = self.factor(ways.weights[k], ways.share[2 + k]);
-        let mut from = Scattered { origin: at.ray.origin, direction: Vec3::ZERO, density: 0.0, lamps: false, shared: false };
-        if let Some(spread) = self.spread(part) {
+        let mut from = Scattered { origin: at.ray.origin, direction: Vec3::ZERO, density: 0.0, lamps: 0.0, shared: false };
+        if let Some(spread) = self.spread(part, surface.bsdf()) {
             let mut sampler = at.sampler.fork();
             if let Some((wi, color)) = surface.bsdf().unweighted(part, spread, &mut sampler) {
                 let mut beta = at.beta.clone();
@@ -349,23 +439,24 @@ impl<'a, B: Clone> Integrator<'a, B> {
                 from.direction = surface.bsdf().to_world(wi);
                 self.outcome.random |= spread > 0.0;
                 at.exact &= spread == 0.0;
-                self.send(transport, at, beta, from, part, weight);
+                self.send(transport, at, beta, from, part, weight, layer);
             }
             return;
         }
         let count = surface.ways(part);
         let only = if at.exact || count == 1 { None } else { Some(((self.draw(at)[0] * count as f64) as usize).min(count - 1)) };
-        (from.lamps, from.shared) = (self.rules.light_jitter.is_none() && !surface.lamps_differ(part), true);
+        from.shared = true;
         for way in (0..count).filter(|&w| only.is_none_or(|o| o == w)) {
             let u = self.draw(at);
             let Some(wi) = surface.sample(part, way, u) else { continue };
             from.density = ways.counts[k] * surface.pdf(part, wi);
             from.direction = surface.bsdf().to_world(wi);
+            from.lamps = if self.rules.light_jitter.is_none() { surface.lamp_ratio(part, wi).unwrap_or(0.0) } else { 0.0 };
             let mut weights = [0.0; 4];
             weights[k] = 1.0 / from.density;
             let beta = transport.scatter(&at.beta, surface, wi, Arriving::Indirect, &weights);
             let exact = std::mem::take(&mut at.exact);
-            self.send(transport, at, beta, from, part, weight);
+            self.send(transport, at, beta, from, part, weight, layer);
             at.exact = exact;
         }
     }
@@ -377,29 +468,65 @@ impl<'a, B: Clone> Integrator<'a, B> {
     }
 
     /// Sends a path on from a rough surface.
-    fn send<T: Transport<Beta = B>>(&mut self, transport: &mut T, at: &mut Segment<B>, beta: B, from: Scattered, part: Part, weight: f64) {
+    #[allow(clippy::too_many_arguments)]
+    fn send<T: Transport<Beta = B>>(
+        &mut self,
+        transport: &mut T,
+        at: &mut Segment<B>,
+        beta: B,
+        from: Scattered,
+        part: Part,
+        weight: f64,
+        layer: &Layer,
+    ) {
         let sampler = at.sampler.fork();
         let ray = Ray { origin: at.ray.origin, direction: from.direction };
         let bounces = at.bounces + part.diffuse() as u32;
-        let next = Segment { ray, beta, sampler, bounces, scattered: Some(from), ..at.clone() };
-        self.push(transport, next, weight, part.side() == 0);
+        let reflected = part.side() == 0;
+        let mut next = Segment { ray, beta, sampler, bounces, scattered: Some(from), kind: Kind::Scattered, ..at.clone() };
+        if !reflected {
+            next = next.beyond(layer);
+        }
+        self.push(transport, next, weight, reflected);
     }
 
-    /// Follows a direction that is scattered into alone, taken with probability `share`.
-    fn follow<T: Transport<Beta = B>>(&mut self, transport: &mut T, at: &mut Segment<B>, surface: &T::Surface, delta: &Delta, share: f64) {
-        let mut next = Segment { sampler: at.sampler.fork(), beta: transport.follow(&at.beta, surface, delta), ..at.clone() };
-        if share != 1.0 {
-            transport.scale(&mut next.beta, Rgb::splat(1.0 / share));
-        }
+    /// The path behind a direction that is scattered into alone.
+    fn after<T: Transport<Beta = B>>(
+        &mut self,
+        transport: &T,
+        at: &mut Segment<B>,
+        surface: &T::Surface,
+        delta: &Delta,
+        layer: &Layer,
+    ) -> Segment<B> {
+        let kind = if delta.reflected { Kind::Reflected } else { Kind::Transmitted };
+        let mut next = Segment { sampler: at.sampler.fork(), beta: transport.follow(&at.beta, surface, delta), kind, ..at.clone() };
         next.ray.direction = delta.direction;
         if let Some(medium) = delta.medium {
             next.medium = medium;
+        }
+        if delta.reflected { next } else { next.beyond(layer) }
+    }
+
+    /// Follows a direction that is scattered into alone, taken with probability `share`.
+    fn follow<T: Transport<Beta = B>>(
+        &mut self,
+        transport: &mut T,
+        at: &mut Segment<B>,
+        surface: &T::Surface,
+        delta: &Delta,
+        share: f64,
+        layer: &Layer,
+    ) {
+        let mut next = self.after(transport, at, surface, delta, layer);
+        if share != 1.0 {
+            transport.scale(&mut next.beta, Rgb::splat(1.0 / share));
         }
         // Lamps and environment were not aimed at by way of a mirror.
         if delta.reflected
             && let Some(s) = &mut next.scattered
         {
-            (s.lamps, s.shared) = (false, false);
+            (s.lamps, s.shared) = (0.0, false);
         }
         let weight = self.factor(delta.coefficient.max_element(), share);
         self.push(transport, next, weight, delta.reflected);
@@ -436,21 +563,29 @@ impl<'a, B: Clone> Integrator<'a, B> {
     }
 
     /// Direct light of lamps.
-    fn aim_at_lamps<T: Transport<Beta = B>>(&mut self, transport: &mut T, at: &mut Segment<B>, surface: &T::Surface, counts: &[f64; 4]) {
+    fn aim_at_lamps<T: Transport<Beta = B>>(
+        &mut self,
+        transport: &mut T,
+        at: &mut Segment<B>,
+        surface: &T::Surface,
+        counts: &[f64; 4],
+        layer: &Layer,
+    ) {
         let world = self.world;
         if world.lamps().is_empty() {
             return;
         }
         if let Some(jitter) = self.rules.light_jitter {
-            for lamp in 0..world.lamps().len() {
-                let u = if jitter > 0.0 { self.draw(at) } else { [0.5; 2] };
-                let w = if jitter > 0.0 { self.draw(at)[0] } else { 0.5 };
-                if let Some(sample) = world.lamps()[lamp].centre(at.ray.origin, jitter, [u[0], u[1], w]) {
+            let fraction = self.rules.light_division / at.weight;
+            for (lamp, form) in world.lamps().iter().enumerate() {
+                let mut sampler = at.sampler.fork();
+                form.parts(at.ray.origin, jitter, fraction, &mut || sampler.pair(), &mut |sample| {
                     let wi = surface.bsdf().to_local(sample.direction);
                     let beta = transport.scatter(&at.beta, surface, wi, Arriving::Lamp(sample.omega), &[sample.omega; 4]);
-                    self.shadow(transport, at, beta, sample.direction, sample.distance, Emitter::Lamp(lamp));
-                }
+                    self.shadow(transport, at, beta, sample.direction, sample.distance, Emitter::Lamp(lamp), layer);
+                });
             }
+            self.outcome.random |= jitter > 0.0;
             return;
         }
         let (u, v) = (self.draw(at), self.draw(at));
@@ -458,12 +593,12 @@ impl<'a, B: Clone> Integrator<'a, B> {
         let wi = surface.bsdf().to_local(sample.to.direction);
         let mut weights = [1.0 / sample.pdf; 4];
         for part in Part::ALL.into_iter().filter(|_| sample.shared) {
-            if counts[part as usize] > 0.0 && !surface.lamps_differ(part) {
+            if counts[part as usize] > 0.0 && surface.lamp_ratio(part, wi).is_some() {
                 weights[part as usize] = 1.0 / (sample.pdf + counts[part as usize] * surface.pdf(part, wi));
             }
         }
         let beta = transport.scatter(&at.beta, surface, wi, Arriving::Lamp(0.0), &weights);
-        self.shadow(transport, at, beta, sample.to.direction, sample.to.distance, Emitter::Lamp(sample.lamp));
+        self.shadow(transport, at, beta, sample.to.direction, sample.to.distance, Emitter::Lamp(sample.lamp), layer);
     }
 
     /// Light of the environment, for the parts that gather it.
@@ -473,6 +608,7 @@ impl<'a, B: Clone> Integrator<'a, B> {
         at: &mut Segment<B>,
         surface: &T::Surface,
         counts: &[f64; 4],
+        layer: &Layer,
     ) {
         if counts == &[0.0; 4] || !self.world.has_environment() {
             return;
@@ -488,29 +624,49 @@ impl<'a, B: Clone> Integrator<'a, B> {
             }
         }
         let beta = transport.scatter(&at.beta, surface, wi, Arriving::Indirect, &weights);
-        self.shadow(transport, at, beta, direction, f64::INFINITY, Emitter::Environment);
+        self.shadow(transport, at, beta, direction, f64::INFINITY, Emitter::Environment, layer);
     }
 
     /// Sends a shadow ray. Where nothing is transparent it is settled at once.
+    #[allow(clippy::too_many_arguments)]
     fn shadow<T: Transport<Beta = B>>(
         &mut self,
         transport: &mut T,
-        at: &mut Segment<B>,
+        at: &Segment<B>,
         beta: B,
         direction: Vec3,
         distance: f64,
         aim: Emitter,
+        layer: &Layer,
     ) {
         if transport.size(&beta) == 0.0 {
             return;
         }
         let ray = Ray { origin: at.ray.origin, direction };
-        let next = Segment { ray, beta, sampler: at.sampler.clone(), aim: Some(aim), ..at.clone() };
+        let mut next = Segment { ray, beta, sampler: at.sampler.clone(), aim: Some(aim), kind: Kind::Shadow, ..at.clone() };
+        if layer.clip.is_some() && (direction.dot(layer.point.geometric) < 0.0) {
+            next = next.beyond(layer);
+        }
         if self.world.transparent() || distance < f64::INFINITY {
             self.stack.push(next);
         } else if !self.world.occluded(&next.ray) {
             self.escape(transport, next);
         }
+    }
+}
+
+impl<B> Segment<B> {
+    /// Whether it gathers indirect light.
+    fn gathers(&self) -> bool {
+        self.scattered.is_some() || self.aim == Some(Emitter::Environment)
+    }
+
+    /// The same path on the other side of what it met.
+    fn beyond(mut self, layer: &Layer) -> Self {
+        if layer.clip.is_some() {
+            self.clip.clone_from(&layer.clip);
+        }
+        self
     }
 }
 

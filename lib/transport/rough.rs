@@ -161,8 +161,9 @@ impl<const L: usize> Tagging<'_, L> {
                 let wo = shape.viewer();
                 let h = wo + wi;
                 let (x, y) = ((h.x * h.x / (h.z * h.z)) as f32, (h.y * h.y / (h.z * h.z)) as f32);
+                let tilt = if arriving == Arriving::Indirect { shape.tilt(wi) } else { 1.0 };
                 let scale = match self.rules.lobe {
-                    Ward::Bounded => wi.z * h.length_squared() / (PI * h.z.powi(4)),
+                    Ward::Bounded => tilt * wi.z * h.length_squared() / (PI * h.z.powi(4)),
                     Ward::Original => wi.z / (4.0 * PI * (wi.z * wo.z).sqrt()),
                 } as f32;
                 std::array::from_fn(|l| {
@@ -355,10 +356,11 @@ impl Scattering for Surface<'_> {
         }
     }
 
-    fn lamps_differ(&self, part: Part) -> bool {
+    fn lamp_ratio(&self, part: Part, wi: Vec3) -> Option<f64> {
         match self {
-            Self::Known(bsdf) => bsdf.lamps_differ(part),
-            Self::Unknown { .. } => part == Part::SpecularTransmission,
+            Self::Known(bsdf) => bsdf.lamp_ratio(part, wi),
+            Self::Unknown { .. } if part.diffuse() => Some(1.0),
+            Self::Unknown { shape, .. } => shape.lamp_ratio(part, wi),
         }
     }
 }
