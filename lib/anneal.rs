@@ -5,9 +5,9 @@
 //! written down (serde) and taken up again with the same proposals to follow.
 //!
 //! 1. Survey: the start and points spread evenly over the box. Their chi-squared values set the temperature.
-//! 2. Walk: Metropolis chains from the best of them, cooling; the worst chains end on the way ([`walk`]). Stages change
+//! 2. Walk: Metropolis chains from the best of them, cooling; the worst chains end on the way. Stages change
 //!    the objective from coarse to fine; what was best under the old one is evaluated anew under the next.
-//! 3. Polish: local quadratics through all that was measured near the best ([`polish`]).
+//! 3. Polish: local quadratics through all that was measured near the best.
 //!
 //! Evaluations may be noisy. A value that repeats differently is averaged before it is believed, and the answer is the
 //! minimum of the quadratic, not the luckiest value.
@@ -78,7 +78,7 @@ pub enum End {
     Tolerance,
     /// The minimum is known as exactly as its values are told apart.
     Converged,
-    /// All evaluations are used up.
+    /// All evaluations are used up, but for those kept to measure the best again that were not needed.
     Budget,
 }
 
@@ -101,9 +101,9 @@ pub enum Phase {
 pub struct Best {
     /// Its coordinates.
     pub values: Vec<f64>,
-    /// The mean of the chi-squared values told for it.
+    /// The chi-squared told for it, or the mean of those told again.
     pub chi2: f64,
-    /// How many that were.
+    /// How often it was evaluated.
     pub times: u32,
 }
 
@@ -130,7 +130,7 @@ pub struct Annealer {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Trial {
     values: Vec<f64>,
-    /// The mean of what was told; `f64::MAX` for what is impossible.
+    /// What was told, or the mean of what was told again; `f64::MAX` for what is impossible.
     chi2: f64,
     times: u32,
     stage: usize,
@@ -160,7 +160,7 @@ const SURVEY: (f64, usize) = (0.1, 8);
 const POLISH: f64 = 0.45;
 /// How many standard deviations lower than the quadratic's minimum a single value must be to be believed instead.
 const LUCK: f64 = 4.0;
-/// How often the lowest value must have been measured before the polish begins about it.
+/// How often the lowest value of a walk must have been measured before it is believed.
 const BELIEVED: u32 = 3;
 
 impl Annealer {
@@ -258,11 +258,15 @@ impl Annealer {
 
     /// The best vector so far; `None` before the first was told.
     pub fn best(&self) -> Option<Best> {
-        let mut chosen = (0..=self.stage).rev().find_map(|stage| self.lowest(stage))?;
+        let mut chosen = (0..=self.stage).rev().find_map(|stage| self.lowest(stage, 1))?;
+        // At the end of a noisy walk the lowest of many values that were seen once is mostly luck.
+        if self.end.is_some() && self.exact == Some(false) {
+            chosen = self.lowest(self.stage, 2).unwrap_or(chosen);
+        }
         // Prefer the quadratic's minimum to a value that is lower by no more than luck can make it.
         if let (Some(answer), Some(fit)) = (self.answer, self.fit()) {
             let (a, c) = (&self.trials[answer], &self.trials[chosen]);
-            let deviation = fit.scatter * (1.0 / f64::from(a.times) + 1.0 / f64::from(c.times)).sqrt();
+            let deviation = fit.scatter * (1.0 / a.weight() + 1.0 / c.weight()).sqrt();
             if c.chi2 > a.chi2 - LUCK * deviation {
                 chosen = answer;
             }
@@ -331,8 +335,9 @@ impl Annealer {
     fn tell_again(&mut self, index: usize, chi2: f64) {
         let trial = &mut self.trials[index];
         self.exact = Some(self.exact != Some(false) && trial.chi2 == chi2);
-        let times = f64::from(trial.times);
-        trial.chi2 = if chi2.is_finite() { (trial.chi2 * times + chi2) / (times + 1.0) } else { f64::MAX };
+        // The first value is why the trial was chosen, so it is too low in the mean: only the others count.
+        let (count, possible) = (f64::from(trial.times - 1), chi2.is_finite() && trial.chi2 < f64::MAX);
+        trial.chi2 = if possible { (trial.chi2 * count + chi2) / (count + 1.0) } else { f64::MAX };
         trial.times += 1;
     }
 
@@ -377,13 +382,13 @@ impl Annealer {
             let (unit, step) = walk.step(&self.trials, &self.parameters, &self.options.groups, progress, random);
             return Some(Next { values: self.values(&unit), purpose: Purpose::Step(step) });
         }
-        if let Some(trial) = self.lowest(self.stage).filter(|&trial| !repeats && self.trials[trial].times < BELIEVED) {
+        if let Some(trial) = self.lowest(self.stage, 1).filter(|&trial| !repeats && self.trials[trial].times < BELIEVED) {
             return Some(self.again(trial));
         }
         if self.options.polish {
             return self.refine(random);
         }
-        self.end = Some(End::Converged);
+        self.end = Some(End::Budget);
         None
     }
 
@@ -391,7 +396,7 @@ impl Annealer {
     fn refine(&mut self, random: &mut Random) -> Option<Next> {
         let seen: Vec<Seen> = (self.trials.iter())
             .filter(|t| t.stage == self.stage && t.chi2 < f64::MAX)
-            .map(|t| Seen { at: self.unit(&t.values), value: t.chi2, times: f64::from(t.times) })
+            .map(|t| Seen { at: self.unit(&t.values), value: t.chi2, weight: t.weight() })
             .collect();
         let mut polish = self.polish.take().unwrap_or_else(|| Polish::about(&seen, self.parameters.len()));
         let next = polish.next(&seen, random);
@@ -426,10 +431,10 @@ impl Annealer {
         Next { values: self.trials[trial].values.clone(), purpose: Purpose::Again(trial) }
     }
 
-    /// The trial with the smallest value in the stage.
-    fn lowest(&self, stage: usize) -> Option<usize> {
+    /// The trial with the smallest value among those of the stage that were measured so often.
+    fn lowest(&self, stage: usize, times: u32) -> Option<usize> {
         (0..self.trials.len())
-            .filter(|&i| self.trials[i].stage == stage)
+            .filter(|&i| self.trials[i].stage == stage && self.trials[i].times >= times)
             .min_by(|&a, &b| self.trials[a].chi2.total_cmp(&self.trials[b].chi2))
     }
 
@@ -450,6 +455,13 @@ impl Annealer {
     /// The random numbers of this evaluation, so that no generator has to be kept.
     fn random(&self) -> Random {
         Random::new(self.options.seed, 1 + self.told as u64)
+    }
+}
+
+impl Trial {
+    /// How many values its chi-squared is the mean of.
+    fn weight(&self) -> f64 {
+        f64::from((self.times - 1).max(1))
     }
 }
 
@@ -476,7 +488,8 @@ fn survey(options: &Options, parameters: usize) -> usize {
 /// After how many evaluations the walk ends.
 fn walk_end(options: &Options, parameters: usize) -> usize {
     if !options.polish {
-        return options.steps;
+        // The best is to be measured again.
+        return options.steps - (options.steps / 10).min(2 * BELIEVED as usize);
     }
     // A quadratic needs some values more than it has coefficients, but never most of them.
     let needed = polish::coefficients(parameters) + 8;

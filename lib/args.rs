@@ -12,6 +12,7 @@ use std::path::PathBuf;
 
 pub mod anneal;
 pub mod imgdiff;
+pub mod rparse;
 pub mod rtrace;
 pub mod spelling;
 

@@ -7,7 +7,7 @@ pub mod lobe;
 pub mod smooth;
 
 use crate::color::{Rgb, bright};
-use crate::material::{Ashikhmin, FunctionMaterial, Inside, Material};
+use crate::material::{Ashikhmin, FunctionMaterial, Inside, Material, PURE, Reflectance};
 use crate::pattern::{At, Functions, Seen};
 use crate::rules::Rules;
 use crate::sampling::{Sampler, cosine_hemisphere};
@@ -16,9 +16,6 @@ use lobe::{fresnel, power_reflection, reflection, reflection_pdf, sample_power, 
 use lobe::{sample_transmission, transmission, transmission_pdf};
 use std::f64::consts::PI;
 use std::sync::Arc;
-
-/// Roughness at or below this is none at all: a mirror (RADIANCE, `a² ≤ 1e-6`).
-pub const PURE: f64 = 0.001;
 
 /// Specularity from which a polished surface has a Fresnel term.
 const FRESNEL_FROM: f64 = 0.017999;
@@ -52,6 +49,13 @@ impl Part {
     /// Whether it is diffuse: a diffuse bounce counts toward `-ab`.
     pub fn diffuse(self) -> bool {
         matches!(self, Self::DiffuseReflection | Self::DiffuseTransmission)
+    }
+
+    /// Weights of which this part has `weight`, and the others nothing.
+    pub fn alone(self, weight: f64) -> [f64; 4] {
+        let mut weights = [0.0; 4];
+        weights[self as usize] = weight;
+        weights
     }
 
     /// 0 for reflection, 1 for transmission.
@@ -150,36 +154,6 @@ pub struct Bsdf {
     functions: Option<Box<(Arc<Functions>, Seen)>>,
 }
 
-/// The numbers of plastic, metal, trans and their anisotropic kin at a point.
-#[derive(Clone, Copy, Debug)]
-pub struct Reflectance {
-    /// A1 to A3 times the pattern.
-    pub color: Rgb,
-    /// A4, the specularity.
-    pub specularity: f64,
-    /// A5, the roughness, once or along u and v.
-    pub roughness: [f64; 2],
-    /// A6, the total transmission.
-    pub transmission: f64,
-    /// A7, the specular fraction of it.
-    pub transmitted_specular: f64,
-    /// Whether the specular part is coloured: metal.
-    pub metal: bool,
-    /// Whether it may be a mirror: the isotropic types.
-    pub isotropic: bool,
-    /// Whether its type is one that transmits.
-    pub transmits: bool,
-}
-
-impl Reflectance {
-    /// A Lambertian surface.
-    pub fn diffuse(color: Rgb) -> Self {
-        let (transmission, transmitted_specular) = (0.0, 0.0);
-        let roughness = [0.0; 2];
-        Self { color, specularity: 0.0, roughness, transmission, transmitted_specular, metal: false, isotropic: true, transmits: false }
-    }
-}
-
 impl Bsdf {
     /// What `material` does at `point` with the pattern `pattern`.
     pub fn new(material: &Material, point: &Point, pattern: Rgb, rules: &Rules) -> Self {
@@ -192,7 +166,8 @@ impl Bsdf {
             Material::Mirror(color) => {
                 let mut bsdf = Self::black(point);
                 if point.front {
-                    bsdf.deltas[0] = Some(Delta { direction: bsdf.mirror(point), coefficient: *color * pattern, reflected: true, medium: None });
+                    bsdf.deltas[0] =
+                        Some(Delta { direction: bsdf.mirror(point), coefficient: *color * pattern, reflected: true, medium: None });
                 }
                 bsdf
             }
@@ -402,6 +377,16 @@ impl Bsdf {
                 self.ambient[side] * (lambert * diffuse) + gathered
             }
         }
+    }
+
+    /// The balance heuristic's weight, over the density, of each part for a direction aimed at a light with density `pdf`, where `counts` samples
+    /// of each part might have found the light too (Veach 1997, equation 9.8). Indirect light is weighed for the parts that have samples only.
+    pub fn balance(&self, wi: Vec3, arriving: Arriving, pdf: f64, counts: &[f64; 4]) -> [f64; 4] {
+        std::array::from_fn(|k| match counts[k] {
+            0.0 if arriving == Arriving::Indirect => 0.0,
+            0.0 => 1.0 / pdf,
+            count => 1.0 / (pdf + count * self.pdf(Part::ALL[k], wi)),
+        })
     }
 
     /// What RADIANCE makes of a bent normal where it gathers indirect light by a reflecting lobe: its samples are weighted by the cosines to

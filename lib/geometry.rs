@@ -24,6 +24,9 @@ use crate::vector::Vec3;
 /// The distance below which RADIANCE takes two places for one (its FTINY), in scenes of ordinary size.
 pub const TINY: f64 = 1e-6;
 
+/// How many levels deep instances may be nested.
+pub const LEVELS: usize = 8;
+
 /// [`TINY`] for a scene (or object) of that size: RADIANCE's number between 1e-3 and 1e3, proportional to the size beyond, so that
 /// a scene may be scaled by any factor.
 pub fn tolerance(size: f64) -> f64 {

@@ -5,6 +5,11 @@
 //! each part has samples of its own, weighted against those aimed at lamps and at the environment by the balance heuristic
 //! (Veach 1997, equation 9.8). Until the first random direction, all directions that a surface scatters into are followed; after that, one.
 
+mod radiance;
+mod scatter;
+
+pub use radiance::Radiance;
+
 use crate::accel::Hit;
 use crate::bsdf::{Arriving, Bsdf, Delta, Part};
 use crate::color::Rgb;
@@ -30,8 +35,12 @@ pub trait Transport {
     fn size(&self, beta: &Self::Beta) -> f64;
     /// What a layer does at a point.
     fn surface(&self, layer: &Layer, rules: &Rules) -> Self::Surface;
-    /// The throughput behind a rough scattering: `beta` times the sum of the parts of f·|cos θ|, each times its weight.
-    fn scatter(&self, beta: &Self::Beta, surface: &Self::Surface, wi: Vec3, arriving: Arriving, weights: &[f64; 4]) -> Self::Beta;
+    /// The throughput of light from a direction that was aimed at a light with density `pdf`: `beta` times the sum of the parts of f·|cos θ|,
+    /// each weighted against the samples of its own that might have found the light (`counts`, per way to sample it).
+    fn aimed(&self, beta: &Self::Beta, surface: &Self::Surface, wi: Vec3, arriving: Arriving, pdf: f64, counts: &[f64; 4]) -> Self::Beta;
+    /// The throughput behind a direction that was drawn from a part in one way, and the density it was drawn with, `count` samples of each
+    /// way being expected.
+    fn drawn(&self, beta: &Self::Beta, surface: &Self::Surface, wi: Vec3, part: Part, way: usize, count: f64) -> (Self::Beta, f64);
     /// The throughput of light that reaches one side of the surface from all directions alike, through the diffuse part.
     fn ambient(&self, beta: &Self::Beta, surface: &Self::Surface, side: usize) -> Self::Beta;
     /// The throughput behind a direction that is scattered into alone.
@@ -100,9 +109,10 @@ pub trait Scattering {
         self.bsdf().sample(part, u)
     }
 
-    /// The sum of the densities of all ways to draw `wi` from a part.
-    fn pdf(&self, part: Part, wi: Vec3) -> f64 {
-        self.bsdf().pdf(part, wi)
+    /// The expected number of samples of each part, and of directions aimed at the environment, while all ways on are followed: 1, unless
+    /// there is better use for the time.
+    fn rates(&self) -> ([f64; 4], f64) {
+        ([1.0; 4], 1.0)
     }
 
     /// By how much more a part scatters lamps than indirect light; `None` where lamps must not be found by sampling it.
@@ -163,24 +173,6 @@ struct Segment<B> {
     kind: Kind,
 }
 
-/// How paths go on from a surface. The ways are: its two deltas, its four parts.
-struct Ways {
-    /// What each part gathers; 0 for a part that gathers nothing here.
-    weights: [f64; 4],
-    /// The expected number of samples of each part, per way to sample it; 0 for a part that is not integrated.
-    counts: [f64; 4],
-    /// The probability of each way, 1 if all are taken.
-    share: [f64; 6],
-    /// The one that is taken; all if `None`.
-    chosen: Option<usize>,
-}
-
-impl Ways {
-    fn take(&self, way: usize) -> bool {
-        self.chosen.is_none_or(|c| c == way)
-    }
-}
-
 /// How a path left the last rough surface it met.
 #[derive(Clone, Copy)]
 struct Scattered {
@@ -190,8 +182,8 @@ struct Scattered {
     density: f64,
     /// How much lamps found on this path count: not at all where they are summed by RADIANCE's rule, or behind a mirror.
     lamps: f64,
-    /// Whether samples aimed at the environment share it.
-    shared: bool,
+    /// The expected number of samples aimed at the environment that share it.
+    shared: f64,
 }
 
 /// Below this weight a path goes on by roulette.
@@ -316,7 +308,7 @@ impl<'a, B: Clone> Integrator<'a, B> {
                     0.0 => 0.0,
                     aimed => s.lamps * s.density / (s.density + aimed),
                 },
-                Emitter::Environment if s.shared => s.density / (s.density + self.world.environment_pdf(s.direction)),
+                Emitter::Environment if s.shared > 0.0 => s.density / (s.density + s.shared * self.world.environment_pdf(s.direction)),
                 Emitter::Environment | Emitter::Glow => 1.0,
                 Emitter::Hidden => 0.0,
             },
@@ -327,394 +319,11 @@ impl<'a, B: Clone> Integrator<'a, B> {
             transport.collect(beta, emission.radiance * weight);
         }
     }
-
-    /// Scattering at a surface: `at` begins there, with the direction it came with.
-    fn scatter<T: Transport<Beta = B>>(&mut self, transport: &mut T, mut at: Segment<B>, layer: &Layer) {
-        let surface = transport.surface(layer, self.rules);
-        at.limit = f64::INFINITY;
-        if at.aim.is_some() {
-            let way = layer.relay.is_none() as usize;
-            if let Some(delta) = &surface.deltas()[way] {
-                let mut next = self.after(transport, &mut at, &surface, delta, layer);
-                if let Some(lamp) = layer.relay {
-                    next.aim = Some(Emitter::Lamp(lamp));
-                }
-                self.stack.push(next);
-            }
-            return;
-        }
-        let ways = self.ways(transport, &mut at, &surface, layer);
-        self.aim_at_lamps(transport, &mut at, &surface, &ways.counts, layer);
-        self.aim_at_environment(transport, &mut at, &surface, &ways.counts, layer);
-        for part in Part::ALL {
-            if ways.weights[part as usize] > 0.0 && ways.take(2 + part as usize) {
-                self.gather(transport, &mut at, &surface, part, &ways, layer);
-            }
-        }
-        for side in 0..2 {
-            if let Some(delta) = surface.deltas()[side].as_ref().filter(|_| ways.take(side)) {
-                self.follow(transport, &mut at, &surface, delta, ways.share[side], layer);
-            }
-        }
-    }
-
-    /// How to go on from a surface: in every way there is while nothing was left to chance, else in one, chosen in proportion to what it carries.
-    fn ways<T: Transport<Beta = B>>(&mut self, transport: &mut T, at: &mut Segment<B>, surface: &T::Surface, layer: &Layer) -> Ways {
-        let mut ways = Ways { weights: surface.weights(), counts: [0.0; 4], share: [1.0; 6], chosen: None };
-        if at.bounces >= self.rules.ambient_bounces || !layer.gathers {
-            for side in 0..2 {
-                if std::mem::take(&mut ways.weights[side]) > 0.0 && self.rules.ambient_value != Rgb::ZERO {
-                    transport.collect(&transport.ambient(&at.beta, surface, side), self.rules.ambient_value);
-                }
-            }
-        }
-        if !at.exact {
-            let deltas = surface.deltas().map(|d| d.map_or(0.0, |d| d.coefficient.max_element()));
-            let carried = std::array::from_fn(|i| if i < 2 { deltas[i] } else { ways.weights[i - 2] });
-            let total: f64 = carried.iter().sum();
-            if total > 0.0 {
-                ways.share = carried.map(|c| c / total);
-                ways.chosen = Some(self.choose(at, &ways.share));
-            }
-        }
-        for part in Part::ALL {
-            let k = part as usize;
-            if ways.weights[k] > 0.0 && self.spread(part, surface.bsdf()).is_none() {
-                ways.counts[k] = if at.exact { 1.0 } else { ways.share[2 + k] / surface.ways(part) as f64 };
-            }
-        }
-        ways
-    }
-
-    /// One of several ways, with these probabilities.
-    fn choose(&mut self, at: &mut Segment<B>, share: &[f64; 6]) -> usize {
-        let mut u = self.draw(at)[0];
-        let last = share.iter().rposition(|&s| s > 0.0).unwrap_or(0);
-        share[..last]
-            .iter()
-            .position(|s| {
-                u -= s;
-                u < 0.0
-            })
-            .unwrap_or(last)
-    }
-
-    /// Two random numbers.
-    fn draw(&mut self, at: &mut Segment<B>) -> [f64; 2] {
-        self.outcome.random = true;
-        at.sampler.pair()
-    }
-
-    /// The narrowing of a lobe that RADIANCE's unweighted rule samples; `None` where the lobe itself is integrated.
-    fn spread(&self, part: Part, bsdf: &Bsdf) -> Option<f64> {
-        if bsdf.is_unweighted(part) {
-            return Some(1.0);
-        }
-        let s = self.rules.specular_sampling?;
-        match part {
-            Part::SpecularReflection if s <= 1.5 => Some(s.min(1.0)),
-            Part::SpecularTransmission if s < 1.0 => Some(s),
-            _ => None,
-        }
-    }
-
-    /// Samples one part, and sends paths on.
-    fn gather<T: Transport<Beta = B>>(
-        &mut self,
-        transport: &mut T,
-        at: &mut Segment<B>,
-        surface: &T::Surface,
-        part: Part,
-        ways: &Ways,
-        layer: &Layer,
-    ) {
-        let k = part as usize;
-        let weight = self.factor(ways.weights[k], ways.share[2 + k]);
-        let mut from = Scattered { origin: at.ray.origin, direction: Vec3::ZERO, density: 0.0, lamps: 0.0, shared: false };
-        if let Some(spread) = self.spread(part, surface.bsdf()) {
-            let mut sampler = at.sampler.fork();
-            if let Some((wi, color)) = surface.bsdf().unweighted(part, spread, &mut sampler) {
-                let mut beta = at.beta.clone();
-                transport.scale(&mut beta, color / ways.share[2 + k]);
-                from.direction = surface.bsdf().to_world(wi);
-                self.outcome.random |= spread > 0.0;
-                at.exact &= spread == 0.0;
-                self.send(transport, at, beta, from, part, weight, layer);
-            }
-            return;
-        }
-        let count = surface.ways(part);
-        let only = if at.exact || count == 1 { None } else { Some(((self.draw(at)[0] * count as f64) as usize).min(count - 1)) };
-        from.shared = true;
-        for way in (0..count).filter(|&w| only.is_none_or(|o| o == w)) {
-            let u = self.draw(at);
-            let Some(wi) = surface.sample(part, way, u) else { continue };
-            from.density = ways.counts[k] * surface.pdf(part, wi);
-            from.direction = surface.bsdf().to_world(wi);
-            from.lamps = if self.rules.light_jitter.is_none() { surface.lamp_ratio(part, wi).unwrap_or(0.0) } else { 0.0 };
-            let mut weights = [0.0; 4];
-            weights[k] = 1.0 / from.density;
-            let beta = transport.scatter(&at.beta, surface, wi, Arriving::Indirect, &weights);
-            let exact = std::mem::take(&mut at.exact);
-            self.send(transport, at, beta, from, part, weight, layer);
-            at.exact = exact;
-        }
-    }
-
-    /// What a way that carries `carried` and is taken with probability `share` multiplies the weight of a path with: where RADIANCE's limits
-    /// are given, what it does there; else what the throughput is on the average multiplied with.
-    fn factor(&self, carried: f64, share: f64) -> f64 {
-        if self.rules.limit_weight.is_some() || self.rules.limit_reflections.is_some() { carried } else { carried / share }
-    }
-
-    /// Sends a path on from a rough surface.
-    #[allow(clippy::too_many_arguments)]
-    fn send<T: Transport<Beta = B>>(
-        &mut self,
-        transport: &mut T,
-        at: &mut Segment<B>,
-        beta: B,
-        from: Scattered,
-        part: Part,
-        weight: f64,
-        layer: &Layer,
-    ) {
-        let sampler = at.sampler.fork();
-        let ray = Ray { origin: at.ray.origin, direction: from.direction };
-        let bounces = at.bounces + part.diffuse() as u32;
-        let reflected = part.side() == 0;
-        let mut next = Segment { ray, beta, sampler, bounces, scattered: Some(from), kind: Kind::Scattered, ..at.clone() };
-        if !reflected {
-            next = next.beyond(layer);
-        }
-        self.push(transport, next, weight, reflected);
-    }
-
-    /// The path behind a direction that is scattered into alone.
-    fn after<T: Transport<Beta = B>>(
-        &mut self,
-        transport: &T,
-        at: &mut Segment<B>,
-        surface: &T::Surface,
-        delta: &Delta,
-        layer: &Layer,
-    ) -> Segment<B> {
-        let kind = if delta.reflected { Kind::Reflected } else { Kind::Transmitted };
-        let mut next = Segment { sampler: at.sampler.fork(), beta: transport.follow(&at.beta, surface, delta), kind, ..at.clone() };
-        next.ray.direction = delta.direction;
-        if let Some(medium) = delta.medium {
-            next.medium = medium;
-        }
-        if delta.reflected { next } else { next.beyond(layer) }
-    }
-
-    /// Follows a direction that is scattered into alone, taken with probability `share`.
-    fn follow<T: Transport<Beta = B>>(
-        &mut self,
-        transport: &mut T,
-        at: &mut Segment<B>,
-        surface: &T::Surface,
-        delta: &Delta,
-        share: f64,
-        layer: &Layer,
-    ) {
-        let mut next = self.after(transport, at, surface, delta, layer);
-        if share != 1.0 {
-            transport.scale(&mut next.beta, Rgb::splat(1.0 / share));
-        }
-        // Lamps and environment were not aimed at by way of a mirror.
-        if delta.reflected
-            && let Some(s) = &mut next.scattered
-        {
-            (s.lamps, s.shared) = (0.0, false);
-        }
-        let weight = self.factor(delta.coefficient.max_element(), share);
-        self.push(transport, next, weight, delta.reflected);
-    }
-
-    /// Sends a path on if RADIANCE's limits, or roulette, let it live.
-    fn push<T: Transport<Beta = B>>(&mut self, transport: &mut T, mut next: Segment<B>, coefficient: f64, reflected: bool) {
-        next.level += reflected as i32;
-        next.weight *= coefficient.min(1.0);
-        let least = match (self.rules.limit_reflections, self.rules.limit_weight) {
-            (Some(most), least) if most > 0 => {
-                if next.level <= most && next.weight >= least.unwrap_or(0.0) {
-                    self.stack.push(next);
-                }
-                return;
-            }
-            (most, least) => {
-                if most.is_some_and(|m| m < 0 && next.level > -m) {
-                    return;
-                }
-                least.unwrap_or(ROULETTE)
-            }
-        };
-        if next.weight < least {
-            let survival = next.weight / least;
-            self.outcome.random = true;
-            if !(next.sampler.single() < survival) {
-                return;
-            }
-            transport.scale(&mut next.beta, Rgb::splat(1.0 / survival));
-            next.weight = least;
-        }
-        self.stack.push(next);
-    }
-
-    /// Direct light of lamps.
-    fn aim_at_lamps<T: Transport<Beta = B>>(
-        &mut self,
-        transport: &mut T,
-        at: &mut Segment<B>,
-        surface: &T::Surface,
-        counts: &[f64; 4],
-        layer: &Layer,
-    ) {
-        let world = self.world;
-        if world.lamps().is_empty() {
-            return;
-        }
-        if let Some(jitter) = self.rules.light_jitter {
-            let fraction = self.rules.light_division / at.weight;
-            for (lamp, form) in world.lamps().iter().enumerate() {
-                let mut sampler = at.sampler.fork();
-                form.parts(at.ray.origin, jitter, fraction, &mut || sampler.pair(), &mut |sample| {
-                    let wi = surface.bsdf().to_local(sample.direction);
-                    let beta = transport.scatter(&at.beta, surface, wi, Arriving::Lamp(sample.omega), &[sample.omega; 4]);
-                    self.shadow(transport, at, beta, sample.direction, sample.distance, Emitter::Lamp(lamp), layer);
-                });
-            }
-            self.outcome.random |= jitter > 0.0;
-            return;
-        }
-        let (u, v) = (self.draw(at), self.draw(at));
-        let Some(sample) = world.sample_lamp(at.ray.origin, v[0], u) else { return };
-        let wi = surface.bsdf().to_local(sample.to.direction);
-        let mut weights = [1.0 / sample.pdf; 4];
-        for part in Part::ALL.into_iter().filter(|_| sample.shared) {
-            if counts[part as usize] > 0.0 && surface.lamp_ratio(part, wi).is_some() {
-                weights[part as usize] = 1.0 / (sample.pdf + counts[part as usize] * surface.pdf(part, wi));
-            }
-        }
-        let beta = transport.scatter(&at.beta, surface, wi, Arriving::Lamp(0.0), &weights);
-        self.shadow(transport, at, beta, sample.to.direction, sample.to.distance, Emitter::Lamp(sample.lamp), layer);
-    }
-
-    /// Light of the environment, for the parts that gather it.
-    fn aim_at_environment<T: Transport<Beta = B>>(
-        &mut self,
-        transport: &mut T,
-        at: &mut Segment<B>,
-        surface: &T::Surface,
-        counts: &[f64; 4],
-        layer: &Layer,
-    ) {
-        if counts == &[0.0; 4] || !self.world.has_environment() {
-            return;
-        }
-        let u = self.draw(at);
-        let Some((direction, pdf)) = self.world.sample_environment(u) else { return };
-        let wi = surface.bsdf().to_local(direction);
-        let mut weights = [0.0; 4];
-        for part in Part::ALL {
-            let count = counts[part as usize];
-            if count > 0.0 {
-                weights[part as usize] = 1.0 / (pdf + count * surface.pdf(part, wi));
-            }
-        }
-        let beta = transport.scatter(&at.beta, surface, wi, Arriving::Indirect, &weights);
-        self.shadow(transport, at, beta, direction, f64::INFINITY, Emitter::Environment, layer);
-    }
-
-    /// Sends a shadow ray. Where nothing is transparent it is settled at once.
-    #[allow(clippy::too_many_arguments)]
-    fn shadow<T: Transport<Beta = B>>(
-        &mut self,
-        transport: &mut T,
-        at: &Segment<B>,
-        beta: B,
-        direction: Vec3,
-        distance: f64,
-        aim: Emitter,
-        layer: &Layer,
-    ) {
-        if transport.size(&beta) == 0.0 {
-            return;
-        }
-        let ray = Ray { origin: at.ray.origin, direction };
-        let mut next = Segment { ray, beta, sampler: at.sampler.clone(), aim: Some(aim), kind: Kind::Shadow, ..at.clone() };
-        if layer.clip.is_some() && (direction.dot(layer.point.geometric) < 0.0) {
-            next = next.beyond(layer);
-        }
-        if self.world.transparent() || distance < f64::INFINITY {
-            self.stack.push(next);
-        } else if !self.world.occluded(&next.ray) {
-            self.escape(transport, next);
-        }
-    }
 }
 
 impl<B> Segment<B> {
     /// Whether it gathers indirect light.
     fn gathers(&self) -> bool {
         self.scattered.is_some() || self.aim == Some(Emitter::Environment)
-    }
-
-    /// The same path on the other side of what it met.
-    fn beyond(mut self, layer: &Layer) -> Self {
-        if layer.clip.is_some() {
-            self.clip.clone_from(&layer.clip);
-        }
-        self
-    }
-}
-
-/// The transport of a picture: the throughput is a colour, the light found adds up.
-pub struct Radiance<'a> {
-    /// The rules of the picture.
-    pub rules: &'a Rules,
-    /// The sum of what was found, in W/(sr·m²).
-    pub sum: Rgb,
-}
-
-impl Transport for Radiance<'_> {
-    type Beta = Rgb;
-    type Surface = Bsdf;
-
-    fn start(&self) -> Rgb {
-        Rgb::ONE
-    }
-
-    fn scale(&self, beta: &mut Rgb, by: Rgb) {
-        *beta *= by;
-    }
-
-    fn size(&self, beta: &Rgb) -> f64 {
-        beta.abs().max_element()
-    }
-
-    fn surface(&self, layer: &Layer, rules: &Rules) -> Bsdf {
-        layer.bsdf(rules)
-    }
-
-    fn scatter(&self, beta: &Rgb, surface: &Bsdf, wi: Vec3, arriving: Arriving, weights: &[f64; 4]) -> Rgb {
-        *beta * surface.value(wi, arriving, weights, self.rules)
-    }
-
-    fn ambient(&self, beta: &Rgb, surface: &Bsdf, side: usize) -> Rgb {
-        *beta * surface.ambient[side]
-    }
-
-    fn follow(&self, beta: &Rgb, _: &Bsdf, delta: &Delta) -> Rgb {
-        *beta * delta.coefficient
-    }
-
-    fn absorb(&self, beta: &mut Rgb, medium: &Inside, length: f64) {
-        *beta *= medium.transmittance(length);
-    }
-
-    fn collect(&mut self, beta: &Rgb, radiance: Rgb) {
-        self.sum += *beta * radiance;
     }
 }

@@ -1,8 +1,7 @@
 //! What a material is: its type and numbers, in RADIANCE's order and range.
 
-use crate::bsdf::{PURE, Reflectance};
 use crate::color::Rgb;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::pattern::{Functions, Sources};
 use crate::rad::Primitive;
 use crate::vector::Vec3;
@@ -59,6 +58,27 @@ pub struct FunctionMaterial {
     pub functions: Arc<Functions>,
 }
 
+/// The numbers of plastic, metal, trans and their anisotropic kin.
+#[derive(Clone, Copy, Debug)]
+pub struct Reflectance {
+    /// A1 to A3 times the pattern.
+    pub color: Rgb,
+    /// A4, the specularity.
+    pub specularity: f64,
+    /// A5, the roughness, once or along u and v.
+    pub roughness: [f64; 2],
+    /// A6, the total transmission.
+    pub transmission: f64,
+    /// A7, the specular fraction of it.
+    pub transmitted_specular: f64,
+    /// Whether the specular part is coloured: metal.
+    pub metal: bool,
+    /// Whether it may be a mirror: the isotropic types.
+    pub isotropic: bool,
+    /// Whether its type is one that transmits.
+    pub transmits: bool,
+}
+
 /// A transparent medium.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Medium {
@@ -75,6 +95,15 @@ pub struct Inside {
     pub extinction: Rgb,
     /// Whether it is the unknown that fills it: then its extinction is not known, and the length is what counts.
     pub unknown: bool,
+}
+
+impl Reflectance {
+    /// A Lambertian surface.
+    pub fn diffuse(color: Rgb) -> Self {
+        let (transmission, transmitted_specular) = (0.0, 0.0);
+        let roughness = [0.0; 2];
+        Self { color, specularity: 0.0, roughness, transmission, transmitted_specular, metal: false, isotropic: true, transmits: false }
+    }
 }
 
 impl Inside {
@@ -100,6 +129,9 @@ impl Inside {
         self.extinction.to_array().map(|e| if e == 0.0 { 1.0 } else { through(e * length) }).into()
     }
 }
+
+/// Roughness at or below this is none at all: a mirror (RADIANCE, `a² ≤ 1e-6`).
+pub const PURE: f64 = 0.001;
 
 /// What is outside a dielectric.
 pub const AIR: Medium = Medium { transmissivity: Rgb::ONE, index: 1.0 };
@@ -280,9 +312,4 @@ impl Arguments<'_> {
             transmits: self.0.kind.starts_with("trans"),
         }
     }
-}
-
-/// An error that names a primitive whose type is not rendered, and what to do about it.
-pub fn unsupported(primitive: &Primitive) -> Error {
-    primitive.error(format!("{} is not supported; replace it, or leave its surfaces out with --skip-unsupported", primitive.kind))
 }

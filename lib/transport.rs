@@ -19,7 +19,7 @@ use crate::world::World;
 use rayon::prelude::*;
 use wide::f32x8;
 
-/// The number of nodes is a multiple of this.
+/// Nodes that are computed with at a time.
 pub const LANES: usize = 8;
 
 /// Numbers at 8·`L` nodes.
@@ -28,9 +28,9 @@ type Nodes<const L: usize> = [f32x8; L];
 /// What is unknown, and how it is explored.
 pub enum Unknown {
     /// Rough, reflecting and perhaps transmitting.
-    Rough(Rough),
+    Rough(Box<Rough>),
     /// Smooth and transparent.
-    Clear(Clear),
+    Clear(Box<Clear>),
 }
 
 impl Unknown {
@@ -44,11 +44,14 @@ impl Unknown {
 }
 
 /// Pixels as functions of the unknown: estimates of the pictures that the products of coefficients multiply.
+#[derive(Clone)]
 pub struct Basis {
     /// Independent estimates of each pixel.
     pub sets: usize,
-    /// Columns of a channel: [`Monomials::columns`].
+    /// Columns of a channel: [`Unknown::columns`].
     pub columns: usize,
+    /// Samples of each pixel in each set.
+    pub samples: Vec<u32>,
     /// Pixel by pixel, in each set by set, in each channel by channel, in each column by column: the mean over the samples of the set.
     pub values: Vec<f32>,
 }
@@ -59,84 +62,104 @@ impl Basis {
         let width = 3 * self.columns;
         &self.values[(pixel * self.sets + set) * width..][..width]
     }
+
+    /// Takes in further samples of the same pixels, traced with another seed.
+    pub fn join(&mut self, other: &Self) {
+        let width = self.sets * 3 * self.columns;
+        let pixels =
+            self.values.par_chunks_mut(width).zip(other.values.par_chunks(width)).zip(self.samples.par_iter_mut()).zip(&other.samples);
+        pixels.for_each(|(((mine, others), samples), &more)| {
+            let total = *samples + more;
+            if more > 0 {
+                let (a, b) = (*samples as f32 / total as f32, more as f32 / total as f32);
+                mine.iter_mut().zip(others).for_each(|(m, o)| *m = a * *m + b * *o);
+            }
+            *samples = total;
+        });
+    }
 }
 
-/// What to trace a basis of: pixels by their numbers, and what the lens makes of these.
+/// What to trace a basis of.
 pub struct Pixels<'a> {
-    /// The numbers.
+    /// The numbers of the pixels, as the lens knows them.
     pub numbers: &'a [usize],
+    /// How many samples each gets in each set.
+    pub samples: &'a [u32],
     /// The rays of a pixel.
     pub lens: Lens<'a>,
 }
 
-/// Traces the basis of some pixels: `sets` independent estimates of `samples` samples each. `seed` makes one tracing independent of another.
-pub fn trace(world: &World, rules: &Rules, unknown: &Unknown, pixels: &Pixels, sets: usize, samples: u32, seed: u64) -> Basis {
+/// Traces the basis of some pixels, `sets` independent estimates of it. `seed` makes one tracing independent of another.
+pub fn trace(world: &World, rules: &Rules, unknown: &Unknown, pixels: &Pixels, sets: usize, seed: u64) -> Basis {
     let columns = unknown.columns();
-    let mut values = vec![0f32; pixels.numbers.len() * sets * 3 * columns];
-    let pixel_width = sets * 3 * columns;
-    values.par_chunks_mut(pixel_width * 8).zip(pixels.numbers.par_chunks(8)).for_each(|(values, numbers)| {
-        let pieces = numbers
-            .iter()
-            .zip(values.chunks_exact_mut(pixel_width))
-            .flat_map(|(&n, v)| v.chunks_exact_mut(3 * columns).enumerate().map(move |(set, v)| (n, set, v)));
-        let sample = Samples { lens: pixels.lens, count: samples, seed };
+    let width = sets * 3 * columns;
+    let mut values = vec![0f32; pixels.numbers.len() * width];
+    // Few pixels at a time: some take much longer than others.
+    let work = values.par_chunks_mut(width * 8).zip(pixels.numbers.par_chunks(8)).zip(pixels.samples.par_chunks(8));
+    work.for_each(|((values, numbers), samples)| {
+        let pieces = numbers.iter().zip(samples).zip(values.chunks_exact_mut(width)).flat_map(|((&number, &samples), values)| {
+            values.chunks_exact_mut(3 * columns).enumerate().map(move |(set, columns)| Piece { number, set: set as u32, samples, columns })
+        });
         match unknown {
-            Unknown::Rough(rough) if rough.nodes.len() == LANES => {
-                sample.trace(world, rules, pieces, |columns| rough::Tagging::<1> { rules, unknown: rough, columns });
+            Unknown::Rough(rough) if rough.nodes.len() <= LANES => {
+                follow(world, rules, pixels.lens, seed, pieces, |columns| rough::Tagging::<1> { rules, unknown: rough, columns });
             }
-            Unknown::Rough(rough) => sample.trace(world, rules, pieces, |columns| rough::Tagging::<2> { rules, unknown: rough, columns }),
-            Unknown::Clear(clear) => sample.trace(world, rules, pieces, |columns| clear::Dimming { rules, unknown: clear, columns }),
+            Unknown::Rough(rough) => {
+                follow(world, rules, pixels.lens, seed, pieces, |columns| rough::Tagging::<2> { rules, unknown: rough, columns });
+            }
+            Unknown::Clear(clear) => {
+                follow(world, rules, pixels.lens, seed, pieces, |columns| clear::Dimming { rules, unknown: clear, columns });
+            }
         }
     });
-    Basis { sets, columns, values }
+    Basis { sets, columns, samples: pixels.samples.to_vec(), values }
 }
 
-/// The samples of each pixel.
-struct Samples<'a> {
-    lens: Lens<'a>,
-    count: u32,
+/// One set of a pixel.
+struct Piece<'c> {
+    number: usize,
+    set: u32,
+    samples: u32,
+    columns: &'c mut [f32],
+}
+
+/// Traces pieces, with the transport that `transport` makes of their columns.
+fn follow<'c, T: Columns<'c>>(
+    world: &World,
+    rules: &Rules,
+    lens: Lens,
     seed: u64,
-}
-
-impl Samples<'_> {
-    /// Traces the pieces (number of a pixel, set, columns), with the transport that `transport` makes of the columns.
-    fn trace<'c, T>(
-        &self,
-        world: &World,
-        rules: &Rules,
-        pieces: impl Iterator<Item = (usize, usize, &'c mut [f32])>,
-        transport: impl Fn(&'c mut [f32]) -> T,
-    ) where
-        T: Finish<'c>,
-    {
-        let mut integrator = Integrator::<T::Beta>::new(world, rules);
-        for (number, set, columns) in pieces {
-            let mut transport = transport(columns);
-            for index in 0..self.count {
-                let mut sampler = Sampler::new(self.seed, number as u64, set as u32, index);
-                let at = sampler.pair();
-                if let Some((origin, direction, limit)) = (self.lens)(number, at) {
-                    integrator.trace(&mut transport, Ray { origin, direction }, limit, sampler);
-                }
+    pieces: impl Iterator<Item = Piece<'c>>,
+    transport: impl Fn(&'c mut [f32]) -> T,
+) {
+    let mut integrator = Integrator::<T::Beta>::new(world, rules);
+    for piece in pieces {
+        let mut transport = transport(piece.columns);
+        for index in 0..piece.samples {
+            let mut sampler = Sampler::new(seed, piece.number as u64, piece.set, index);
+            let at = sampler.pair();
+            if let Some((origin, direction, limit)) = lens(piece.number, at) {
+                integrator.trace(&mut transport, Ray { origin, direction }, limit, sampler);
             }
-            transport.columns().iter_mut().for_each(|v| *v /= self.count as f32);
         }
+        let scale = 1.0 / piece.samples.max(1) as f32;
+        transport.columns().iter_mut().for_each(|v| *v *= scale);
     }
 }
 
 /// A transport that adds up columns.
-trait Finish<'c>: Transport {
+trait Columns<'c>: Transport {
     /// The columns.
     fn columns(self) -> &'c mut [f32];
 }
 
-impl<'c, const L: usize> Finish<'c> for rough::Tagging<'c, L> {
+impl<'c, const L: usize> Columns<'c> for rough::Tagging<'c, L> {
     fn columns(self) -> &'c mut [f32] {
         self.columns
     }
 }
 
-impl<'c> Finish<'c> for clear::Dimming<'c> {
+impl<'c> Columns<'c> for clear::Dimming<'c> {
     fn columns(self) -> &'c mut [f32] {
         self.columns
     }

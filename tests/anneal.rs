@@ -188,6 +188,8 @@ fn a_time_limit_is_kept() {
     let done = run(directory.path(), &["--exec", &format!("sleep .02; {FAKE}"), "--time", "1.5", "start.rad"]);
     assert_eq!(done.status.code(), Some(0), "{}", text(&done.stderr));
     assert!((1.0..6.0).contains(&begin.elapsed().as_secs_f64()), "{:?}", begin.elapsed());
+    let few = run(directory.path(), &["--exec", FAKE, "--time", "1000", "--steps", "9", "start.rad"]);
+    assert!(text(&few.stdout).contains("after 9 evaluations"));
 }
 
 #[test]

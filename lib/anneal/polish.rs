@@ -20,8 +20,8 @@ pub struct Seen {
     pub at: Vec<f64>,
     /// The mean of what was measured there.
     pub value: f64,
-    /// How often it was measured.
-    pub times: f64,
+    /// Of how many measurements.
+    pub weight: f64,
 }
 
 /// What the quadratic says of the minimum.
@@ -63,7 +63,7 @@ struct Quadratic {
 }
 
 /// The region's edge stands this many standard deviations above its centre.
-const EDGE: f64 = 6.0;
+const EDGE: f64 = 3.0;
 /// A scatter known from few degrees of freedom is taken to be larger: by this many of its own standard errors.
 const SLACK: f64 = 2.0;
 /// Half-lengths of the region never exceed this part of the unit cube's side; below the other it is as good as a point.
@@ -174,7 +174,7 @@ impl Polish {
             .filter_map(|s| {
                 let z = root.times(&difference(&s.at, &self.center));
                 let weight = (2.0 - norm(&z)).clamp(0.0, 1.0).powi(3);
-                (weight > 1e-3).then(|| (features(&z), s.value, weight * s.times))
+                (weight > 1e-3).then(|| (features(&z), s.value, weight * s.weight))
             })
             .collect();
         let prior = self.fit.as_ref().map(|fit| sandwich(&fit.hessian, &back));

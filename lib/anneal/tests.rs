@@ -99,15 +99,17 @@ fn a_needle_is_found_although_the_search_starts_in_a_decoy() {
 
 #[test]
 fn a_lucky_value_is_not_believed() {
+    let mut near = 0;
     for seed in 0..20 {
         let truth = somewhere(seed);
         let mut noise = Random::new(seed, 1);
-        // One value in fifty is half of what it should be.
-        let lucky = |x: &[f64], _| valley(x, &truth) * if noise.uniform() < 0.02 { 0.5 } else { 1.0 + 0.01 * noise.normal() };
+        // One value in a hundred is half of what it should be. Luck that comes again when the value is measured again is believed.
+        let lucky = |x: &[f64], _| valley(x, &truth) * if noise.uniform() < 0.01 { 0.5 } else { 1.0 + 0.01 * noise.normal() };
         let found = search(box_of(&[0.5; COUNT]), options(seed, 500), lucky).best().unwrap();
         assert!(found.chi2 > 0.014, "seed {seed}: {found:?}");
-        assert!(worst(&found.values, &truth) < 0.2, "seed {seed}: {found:?}");
+        near += i32::from(worst(&found.values, &truth) < 0.2);
     }
+    assert!(near >= 19, "{near} of 20");
 }
 
 #[test]
@@ -245,6 +247,19 @@ fn residuals_add_the_pictures_own_noise_to_the_standard_errors() {
         let expected = (1.0 / (95.0 * k as f64)).sqrt();
         assert!((error / expected - 1.0).abs() < 0.01, "{error} {expected}");
     }
+}
+
+#[test]
+fn without_the_polish_the_best_is_measured_again() {
+    let truth = somewhere(5);
+    let mut noise = Random::new(5, 1);
+    let plain = Options { polish: false, ..options(5, 400) };
+    let annealer = search(box_of(&[0.5; COUNT]), plain.clone(), |x, _| valley(x, &truth) * (1.0 + 0.05 * noise.normal()));
+    let best = annealer.best().unwrap();
+    assert!(best.times >= 2 && best.chi2 < 0.03 && annealer.standard_errors().is_none(), "{best:?}");
+    // Where values repeat exactly, nothing is measured in vain.
+    let exact = search(box_of(&[0.5; COUNT]), plain, |x, _| valley(x, &truth));
+    assert!(exact.told() < 400 && exact.best().unwrap().chi2 < 0.022, "{:?}", exact.best());
 }
 
 #[test]

@@ -353,7 +353,9 @@ impl Light {
         let excluded = modifiers(&self.ae, &self.ae_files, list)?;
         let included = modifiers(&self.ai, &self.ai_files, list)?;
         let gathering = match (excluded, included) {
-            (Some(_), Some(_)) => return Err(Error::new("-ae and -ai exclude each other: give either what gathers light or what does not")),
+            (Some(_), Some(_)) => {
+                return Err(Error::new("-ae and -ai exclude each other: give either what gathers light or what does not"));
+            }
             (excluded, included) => excluded.map(|names| (false, names)).or(included.map(|names| (true, names))),
         };
         // A negative count shows photons in RADIANCE, of which there are none here.

@@ -1,7 +1,7 @@
 //! A search with the outside: kept in a file, logged, shown, interrupted, limited in time.
 
 use super::interrupted;
-use super::stream::{Output, file};
+use super::stream::{Output, file, plain};
 use super::{Console, Outcome};
 use crate::anneal::{Annealer, Best, End, Objective, Options};
 use crate::error::{Error, Result};
@@ -9,7 +9,7 @@ use crate::rad::{Document, Number, decode};
 use crate::unknown::{Unknown, Wishes};
 use serde::{Deserialize, Serialize};
 use std::fs::File;
-use std::io::Write;
+use std::io::{Seek, SeekFrom, Write};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -37,6 +37,8 @@ pub struct Watch<'a> {
     pub log: Option<&'a Path>,
     /// How long it may take.
     pub time: Option<Duration>,
+    /// How many evaluations it may take within that time.
+    pub steps: Option<usize>,
     /// Who is shown how far it is.
     pub console: &'a Console,
 }
@@ -94,9 +96,7 @@ impl Search {
     /// Keeps the search in a file.
     pub fn save(&self, path: &Path) -> Outcome<()> {
         let text = serde_json::to_vec(&self.kept).map_err(|e| Error::new(format!("{}: {e}", path.display())))?;
-        let mut out = Output::create(Some(path))?;
-        out.write(&text)?;
-        out.finish()
+        Output::whole(Some(path), &text)
     }
 
     /// What is searched for.
@@ -167,7 +167,7 @@ impl Search {
             if let Some(time) = watch.time {
                 let (done, each) = (annealer.told() - already, begin.elapsed() / (annealer.told() - already).max(1) as u32);
                 let left = time.saturating_sub(begin.elapsed()).as_secs_f64() / each.as_secs_f64().max(1e-9);
-                annealer.set_steps(already + done + left as usize);
+                annealer.set_steps((already + done).saturating_add(left as usize).min(watch.steps.unwrap_or(usize::MAX)));
             }
             watch.console.progress(|| progress(&self.kept.annealer));
             if let Some(path) = watch.state.filter(|_| saved.elapsed() > PAUSE) {
@@ -179,8 +179,8 @@ impl Search {
         let annealer = &self.kept.annealer;
         Ok(match annealer.end() {
             None => false,
-            Some(End::Tolerance | End::Converged) => true,
-            Some(End::Budget) => annealer.options().tolerance.is_none(),
+            Some(End::Tolerance) => true,
+            Some(End::Converged | End::Budget) => annealer.options().tolerance.is_none(),
         })
     }
 }
@@ -195,16 +195,19 @@ impl Log {
     /// Opens the log after its first `lines` lines; what follows them was not kept in the state.
     fn open(path: &Path, lines: usize) -> Outcome<Self> {
         let name = path.display().to_string();
-        let failed = |e: std::io::Error| Error::new(format!("{name}: {}", super::stream::plain(&e)));
-        let old = if lines > 0 && path.is_file() { file(path)? } else { vec![] };
-        let kept: usize = old.split_inclusive(|&b| b == b'\n').take(lines).map(<[u8]>::len).sum();
-        let mut file = File::create(path).map_err(failed)?;
-        file.write_all(&old[..kept]).map_err(failed)?;
-        Ok(Self { file, name })
+        let failed = |e: std::io::Error| Error::new(format!("{name}: {}", plain(&e)));
+        let mut log = File::options().create(true).write(true).truncate(false).open(path).map_err(failed)?;
+        // A pipe or a device has no lines to keep.
+        if path.is_file() {
+            let old = if lines > 0 { file(path)? } else { vec![] };
+            let kept: usize = old.split_inclusive(|&b| b == b'\n').take(lines).map(<[u8]>::len).sum();
+            log.set_len(kept as u64).and_then(|()| log.seek(SeekFrom::End(0))).map_err(failed)?;
+        }
+        Ok(Self { file: log, name })
     }
 
     fn write(&mut self, line: &str) -> Outcome<()> {
-        self.file.write_all(line.as_bytes()).map_err(|e| Error::new(format!("{}: {}", self.name, super::stream::plain(&e))).into())
+        self.file.write_all(line.as_bytes()).map_err(|e| Error::new(format!("{}: {}", self.name, plain(&e))).into())
     }
 }
 

@@ -70,15 +70,16 @@ pub fn alphas(kind: Kind, grid: &[f64]) -> Vec<Alpha> {
     }
 }
 
-/// Weights that interpolate at `x` between nodes at `grid`: Lagrange's cubic through the four nearest. Beyond the ends, the end counts.
+/// Weights that interpolate at `x` between nodes at `grid`: Lagrange's cubic through the four nearest, or a parabola through three. Beyond
+/// the ends, the end counts.
 fn cubic(grid: &[f64], x: f64) -> Vec<f64> {
     let n = grid.len();
     let x = x.clamp(grid[0], grid[n - 1]);
     let above = grid.partition_point(|&g| g <= x);
-    let first = above.saturating_sub(2).min(n - 4);
+    let (first, last) = if n < 4 { (0, n) } else { (above.saturating_sub(2).min(n - 4), above.saturating_sub(2).min(n - 4) + 4) };
     let mut weights = vec![0.0; n];
-    for i in first..first + 4 {
-        weights[i] = (first..first + 4).filter(|&j| j != i).map(|j| (x - grid[j]) / (grid[i] - grid[j])).product();
+    for i in first..last {
+        weights[i] = (first..last).filter(|&j| j != i).map(|j| (x - grid[j]) / (grid[i] - grid[j])).product();
     }
     weights
 }

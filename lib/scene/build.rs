@@ -2,21 +2,21 @@
 
 use super::{Chain, ChainId, Distant, End, Error, Form, Link, MaterialId, Named, Result, Scene, Surface};
 use crate::expand::{Annotation, expand};
-use crate::geometry::{Mesh, Shape};
+use crate::geometry::{LEVELS, Mesh, Shape};
 use crate::import::{self, MeshMaterial, Octree};
-use crate::material::{Material, unsupported};
+use crate::material::Material;
 use crate::pattern::{Mixture, Pattern, Sources, Texture};
 use crate::rad::{Class, Document, Primitive};
 use crate::resolve::Resolve;
+use crate::support::unsupported;
 use crate::transform::Transform;
 use crate::vector::Vec3;
 use std::collections::HashMap;
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// Mixtures may stand this deep within each other, and instances within instances.
+/// Mixtures may stand this deep within each other.
 const DEPTH_LIMIT: usize = 32;
-const INSTANCE_LIMIT: usize = crate::accel::LEVELS;
 
 /// Why something could not be resolved.
 pub(super) enum Unresolved {
@@ -139,12 +139,7 @@ impl<'a> Builder<'a> {
             let behind = if primitive.modifier == "inherit" { named.behind } else { self.modifier(primitive)? };
             Definition { name: primitive.name.clone(), behind, ..named }
         } else {
-            Definition {
-                name: primitive.name.clone(),
-                primitive: Rc::new(primitive.clone()),
-                behind: self.modifier(primitive)?,
-                order,
-            }
+            Definition { name: primitive.name.clone(), primitive: Rc::new(primitive.clone()), behind: self.modifier(primitive)?, order }
         };
         self.names.entry(primitive.name.clone()).or_default().push(self.definitions.len());
         self.definitions.push(definition);
@@ -233,8 +228,7 @@ impl<'a> Builder<'a> {
         if self.depth == DEPTH_LIMIT {
             return Err(primitive.error(format!("mixtures stand more than {DEPTH_LIMIT} deep within each other")).into());
         }
-        let coefficient =
-            Mixture::compile(primitive, &mut self.sources)?.ok_or_else(|| Unresolved::Unsupported(unsupported(primitive)))?;
+        let coefficient = Mixture::compile(primitive, &mut self.sources)?.ok_or_else(|| Unresolved::Unsupported(unsupported(primitive)))?;
         self.depth += 1;
         let sides = [0, 1].map(|i| {
             let void = primitive.strings[i] == "void";
@@ -371,8 +365,8 @@ impl<'a> Builder<'a> {
         if self.within.contains(&name) {
             return Err(primitive.string_error(0, format!("{name} contains an instance of itself")).into());
         }
-        if self.within.len() == INSTANCE_LIMIT {
-            return Err(primitive.string_error(0, format!("instances stand more than {INSTANCE_LIMIT} deep within each other")).into());
+        if self.within.len() == LEVELS {
+            return Err(primitive.string_error(0, format!("instances stand more than {LEVELS} deep within each other")).into());
         }
         let documents = match import::octree(&bytes, &name)? {
             Octree::Scene(document) => vec![document],

@@ -4,7 +4,7 @@
 //! pane of glass reflects and transmits by the formula of its many inner reflections.
 
 use super::{LANES, Nodes};
-use crate::bsdf::{Arriving, Bsdf, Delta, smooth::pane};
+use crate::bsdf::{Arriving, Bsdf, Delta, Part, smooth::pane};
 use crate::color::Rgb;
 use crate::integrator::{Scattering, Transport};
 use crate::material::{Inside, Material, Medium};
@@ -102,8 +102,15 @@ impl Transport for Dimming<'_> {
         Surface { bsdf, unknown: true, pattern: layer.pattern }
     }
 
-    fn scatter(&self, beta: &Beta, surface: &Surface, wi: Vec3, arriving: Arriving, weights: &[f64; 4]) -> Beta {
-        Beta { known: beta.known * surface.bsdf.value(wi, arriving, weights, self.rules), ..*beta }
+    fn aimed(&self, beta: &Beta, surface: &Surface, wi: Vec3, arriving: Arriving, pdf: f64, counts: &[f64; 4]) -> Beta {
+        let bsdf = &surface.bsdf;
+        Beta { known: beta.known * bsdf.value(wi, arriving, &bsdf.balance(wi, arriving, pdf, counts), self.rules), ..*beta }
+    }
+
+    fn drawn(&self, beta: &Beta, surface: &Surface, wi: Vec3, part: Part, _: usize, count: f64) -> (Beta, f64) {
+        let density = count * surface.bsdf.pdf(part, wi);
+        let value = surface.bsdf.value(wi, Arriving::Indirect, &part.alone(1.0 / density), self.rules);
+        (Beta { known: beta.known * value, ..*beta }, density)
     }
 
     fn ambient(&self, beta: &Beta, surface: &Surface, side: usize) -> Beta {

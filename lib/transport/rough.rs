@@ -97,26 +97,48 @@ pub struct Rough {
     pub metal: bool,
     /// Whether it transmits.
     pub transmits: bool,
-    /// The roughnesses at which lobes are evaluated; a multiple of [`LANES`].
+    /// The roughnesses at which lobes are evaluated; at most 2·[`LANES`].
     pub nodes: Vec<Alpha>,
     /// The roughnesses from which directions are drawn.
-    pub proposals: Vec<Alpha>,
+    proposals: Vec<Alpha>,
+    /// Whether each node has its own samples, from the same random numbers: then the proposals are the nodes.
+    matched: bool,
     /// The products of coefficients.
     pub monomials: Monomials,
-    /// The nodes in lanes: inverses of the two squared roughnesses, and of the root of their product.
-    lanes: Vec<(f32x8, f32x8, f32x8)>,
+    /// How many samples the first hit gets: of its diffuse parts, of each proposal, of the environment.
+    pub rates: [f64; 3],
+    /// The nodes in lanes: inverses of the two squared roughnesses, and of the root of their product. Lanes without a node are 0.
+    lanes: Vec<Lanes>,
+    /// The proposals, likewise.
+    drawn: Vec<Lanes>,
 }
 
+/// Inverses of the two squared roughnesses, and of the root of their product.
+type Lanes = (f32x8, f32x8, f32x8);
+
 impl Rough {
-    /// A material explored at the roughnesses `nodes` (8 or 16 of them) with directions from the roughnesses `proposals`.
-    pub fn new(material: MaterialId, metal: bool, transmits: bool, nodes: Vec<Alpha>, proposals: Vec<Alpha>) -> Self {
-        let lane = |f: &dyn Fn(&Alpha) -> f64, chunk: &[Alpha]| f32x8::from(std::array::from_fn(|i| f(&chunk[i]) as f32));
-        let lanes = nodes
-            .chunks_exact(LANES)
-            .map(|c| (lane(&|a| 1.0 / a[0], c), lane(&|a| 1.0 / a[1], c), lane(&|a| 1.0 / (a[0] * a[1]).sqrt(), c)))
-            .collect();
+    /// A material explored at the roughnesses `nodes`, all on the same directions, drawn from the roughnesses `proposals`: for a look at
+    /// roughnesses far apart.
+    pub fn shared(material: MaterialId, metal: bool, transmits: bool, nodes: Vec<Alpha>, proposals: Vec<Alpha>) -> Self {
+        Self::new(material, metal, transmits, nodes, proposals, false)
+    }
+
+    /// A material explored at the roughnesses `nodes`, each on directions of its own that differ only as the lobes do: so what one lobe makes of
+    /// the light differs from what the next one makes as little as it must.
+    pub fn matched(material: MaterialId, metal: bool, transmits: bool, nodes: Vec<Alpha>) -> Self {
+        Self::new(material, metal, transmits, nodes.clone(), nodes, true)
+    }
+
+    fn new(material: MaterialId, metal: bool, transmits: bool, nodes: Vec<Alpha>, proposals: Vec<Alpha>, matched: bool) -> Self {
+        let lane =
+            |f: &dyn Fn(&Alpha) -> f64, chunk: &[Alpha]| f32x8::from(std::array::from_fn(|i| chunk.get(i).map_or(0.0, |a| f(a) as f32)));
+        let lanes = |roughnesses: &[Alpha]| -> Vec<Lanes> {
+            let inverses = |c: &[Alpha]| (lane(&|a| 1.0 / a[0], c), lane(&|a| 1.0 / a[1], c), lane(&|a| 1.0 / (a[0] * a[1]).sqrt(), c));
+            roughnesses.chunks(LANES).map(inverses).collect()
+        };
+        let (in_lanes, drawn) = (lanes(&nodes), lanes(&proposals));
         let monomials = Monomials::new(transmits, nodes.len());
-        Self { material, metal, transmits, nodes, proposals, monomials, lanes }
+        Self { material, metal, transmits, nodes, proposals, matched, monomials, rates: [1.0; 3], lanes: in_lanes, drawn }
     }
 }
 
@@ -153,34 +175,61 @@ pub(super) enum Surface<'a> {
 const SHARE: f64 = 0.5;
 
 impl<const L: usize> Tagging<'_, L> {
-    /// A part's shape at a direction, without coefficient: the diffuse one alike at all nodes.
-    fn shape(&self, shape: &Bsdf, part: Part, wi: Vec3, arriving: Arriving) -> Nodes<L> {
-        match part {
-            Part::DiffuseReflection | Part::DiffuseTransmission => [f32x8::splat((wi.z.abs() / PI) as f32); L],
-            Part::SpecularReflection => {
-                let wo = shape.viewer();
-                let h = wo + wi;
-                let (x, y) = ((h.x * h.x / (h.z * h.z)) as f32, (h.y * h.y / (h.z * h.z)) as f32);
-                let tilt = if arriving == Arriving::Indirect { shape.tilt(wi) } else { 1.0 };
-                let scale = match self.rules.lobe {
-                    Ward::Bounded => tilt * wi.z * h.length_squared() / (PI * h.z.powi(4)),
-                    Ward::Original => wi.z / (4.0 * PI * (wi.z * wo.z).sqrt()),
-                } as f32;
-                std::array::from_fn(|l| {
-                    let (u, v, area) = self.unknown.lanes[l];
-                    (-(u * x + v * y)).exp() * area * scale
-                })
-            }
-            Part::SpecularTransmission => std::array::from_fn(|l| {
-                f32x8::from(std::array::from_fn(|i| {
-                    let alpha = self.unknown.nodes[l * LANES + i];
-                    (match arriving {
-                        Arriving::Lamp(_) => lobe::transmission(alpha, shape.straight(), shape.viewer(), wi),
-                        Arriving::Indirect => lobe::transmission_pdf(alpha, shape.straight(), wi),
-                    }) as f32
-                }))
-            }),
+    /// A part's value at a direction, without its coefficient, and the density with which its samples are drawn there, at each node.
+    fn shape(&self, shape: &Bsdf, part: Part, wi: Vec3, arriving: Arriving) -> (Nodes<L>, Nodes<L>) {
+        let all = |x: f64| [f32x8::splat(x as f32); L];
+        if part.diffuse() {
+            let lambert = wi.z.abs() / PI;
+            return (all(lambert), all(lambert));
         }
+        let (values, density): (Nodes<L>, f64) = if part == Part::SpecularReflection {
+            let (wo, h) = (shape.viewer(), shape.viewer() + wi);
+            let (x, y) = ((h.x * h.x / (h.z * h.z)) as f32, (h.y * h.y / (h.z * h.z)) as f32);
+            let gaussian = |(u, v, area): (f32x8, f32x8, f32x8)| (-(u * x + v * y)).exp() * area;
+            let tilt = if arriving == Arriving::Indirect { shape.tilt(wi) } else { 1.0 };
+            let scale = match self.rules.lobe {
+                Ward::Bounded => tilt * wi.z * h.length_squared() / (PI * h.z.powi(4)),
+                Ward::Original => tilt * wi.z / (4.0 * PI * (wi.z * wo.z).sqrt()),
+            } as f32;
+            let densities = (h.length_squared() / (2.0 * PI * h.z.powi(3))) as f32;
+            let nodes: Nodes<L> = std::array::from_fn(|l| gaussian(self.unknown.lanes[l]));
+            if self.unknown.matched {
+                return (nodes.map(|n| n * scale), nodes.map(|n| n * densities));
+            }
+            let drawn: f32 = self.unknown.drawn.iter().map(|&lanes| gaussian(lanes).reduce_add()).sum();
+            (nodes.map(|n| n * scale), (drawn * densities) as f64)
+        } else {
+            let at = |alpha: Alpha| lobe::transmission_pdf(alpha, shape.straight(), wi);
+            let nodes = |f: &dyn Fn(Alpha) -> f64| {
+                std::array::from_fn(|l| {
+                    f32x8::from(std::array::from_fn(|i| self.unknown.nodes.get(l * LANES + i).map_or(0.0, |&alpha| f(alpha) as f32)))
+                })
+            };
+            let values: Nodes<L> = match arriving {
+                Arriving::Lamp(_) => nodes(&|alpha| lobe::transmission(alpha, shape.straight(), shape.viewer(), wi)),
+                Arriving::Indirect => nodes(&at),
+            };
+            if self.unknown.matched {
+                return (values, nodes(&at));
+            }
+            (values, self.unknown.proposals.iter().map(|&alpha| at(alpha)).sum())
+        };
+        (values, all(density))
+    }
+
+    /// The first term of a throughput, after meeting a part of the unknown that makes `lobes` of it at each group of nodes.
+    fn met(&self, beta: &Beta<L>, surface: &Surface, part: Part, lobes: impl Fn(usize) -> f32x8) -> Option<Term<L>> {
+        let (Surface::Unknown { pattern, unknown, .. }, Some(term)) = (surface, beta.terms[0]) else { return None };
+        let monomial = unknown.monomials.times(term.monomial, part)?;
+        let known = if part == Part::SpecularReflection && !unknown.metal { term.known } else { term.known * *pattern };
+        Some(Term { monomial, known, lobes: std::array::from_fn(|l| term.lobes[l] * lobes(l)) })
+    }
+
+    /// A throughput behind a known surface.
+    fn known(&self, beta: &Beta<L>, bsdf: &Bsdf, wi: Vec3, arriving: Arriving, weights: &[f64; 4]) -> Beta<L> {
+        let mut beta = beta.clone();
+        self.scale(&mut beta, bsdf.value(wi, arriving, weights, self.rules));
+        beta
     }
 }
 
@@ -209,37 +258,51 @@ impl<'a, const L: usize> Transport for Tagging<'a, L> {
         Surface::Unknown { shape: layer.bsdf(rules), pattern: layer.pattern, unknown: self.unknown }
     }
 
-    fn scatter(&self, beta: &Beta<L>, surface: &Surface, wi: Vec3, arriving: Arriving, weights: &[f64; 4]) -> Beta<L> {
+    fn aimed(&self, beta: &Beta<L>, surface: &Surface, wi: Vec3, arriving: Arriving, pdf: f64, counts: &[f64; 4]) -> Beta<L> {
         match surface {
-            Surface::Known(bsdf) => {
-                let mut beta = beta.clone();
-                self.scale(&mut beta, bsdf.value(wi, arriving, weights, self.rules));
-                beta
-            }
-            Surface::Unknown { shape, pattern, unknown } => {
+            Surface::Known(bsdf) => self.known(beta, bsdf, wi, arriving, &bsdf.balance(wi, arriving, pdf, counts)),
+            Surface::Unknown { shape, .. } => {
                 let mut next = Beta { terms: [None; 2] };
                 if arriving == Arriving::Indirect && !shape.passes(wi) {
                     return next;
                 }
                 let side = (wi.z < 0.0) as usize;
-                let mut free = next.terms.iter_mut();
-                for part in [Part::ALL[side], Part::ALL[2 + side]] {
-                    let weight = weights[part as usize] as f32;
-                    if weight == 0.0 {
+                let parts = [Part::ALL[side], Part::ALL[2 + side]];
+                for (slot, part) in next.terms.iter_mut().zip(parts) {
+                    let count = counts[part as usize];
+                    if count == 0.0 && arriving == Arriving::Indirect {
                         continue;
                     }
-                    let lobes = self.shape(shape, part, wi, arriving);
-                    let colored = if part == Part::SpecularReflection && !unknown.metal { Rgb::ONE } else { *pattern };
+                    let (values, densities) = self.shape(shape, part, wi, arriving);
+                    let (pdf, count) = (f32x8::splat(pdf as f32), f32x8::splat(count as f32));
                     // A path is a single term until it is aimed at a light.
-                    for term in beta.terms.iter().flatten() {
-                        let Some(monomial) = unknown.monomials.times(term.monomial, part) else { continue };
-                        let lobes = std::array::from_fn(|l| term.lobes[l] * lobes[l] * weight);
-                        if let Some(slot) = free.next() {
-                            *slot = Some(Term { monomial, known: term.known * colored, lobes });
-                        }
-                    }
+                    *slot = self.met(beta, surface, part, |l| values[l] / (pdf + count * densities[l]));
                 }
                 next
+            }
+        }
+    }
+
+    fn drawn(&self, beta: &Beta<L>, surface: &Surface, wi: Vec3, part: Part, way: usize, count: f64) -> (Beta<L>, f64) {
+        match surface {
+            Surface::Known(bsdf) => {
+                let density = count * bsdf.pdf(part, wi);
+                (self.known(beta, bsdf, wi, Arriving::Indirect, &part.alone(1.0 / density)), density)
+            }
+            Surface::Unknown { shape, unknown, .. } => {
+                let (values, densities) = self.shape(shape, part, wi, Arriving::Indirect);
+                // A node that is sampled for itself gets nothing from the samples of others, while paths are followed in all ways.
+                let (lane, place) = (way / LANES, way % LANES);
+                let own = unknown.matched && !part.diffuse();
+                let density = count * densities[lane].to_array()[place] as f64;
+                let only = f32x8::from(std::array::from_fn(|i| (i == place) as u8 as f32));
+                let scale = (1.0 / density) as f32;
+                let term = self.met(beta, surface, part, |l| match own {
+                    false => values[l] * scale,
+                    true if l == lane => values[l] * only * scale,
+                    true => f32x8::ZERO,
+                });
+                (Beta { terms: [term, None] }, density)
             }
         }
     }
@@ -282,16 +345,16 @@ impl<'a, const L: usize> Transport for Tagging<'a, L> {
         for term in beta.terms.iter().flatten() {
             let offset = self.unknown.monomials.offsets[term.monomial as usize];
             let varies = self.unknown.monomials.varies(term.monomial as usize);
+            let nodes = self.unknown.nodes.len();
             for (channel, light) in (term.known * radiance).to_array().into_iter().enumerate() {
                 let columns = &mut self.columns[channel * per_channel + offset..];
                 if !varies {
                     columns[0] += light as f32 * term.lobes[0].to_array()[0];
                     continue;
                 }
-                for (l, lobes) in term.lobes.iter().enumerate() {
-                    let columns = &mut columns[l * LANES..][..LANES];
-                    let sum = f32x8::from(&columns[..]) + *lobes * light as f32;
-                    columns.copy_from_slice(&sum.to_array());
+                for (lobes, columns) in term.lobes.iter().zip(columns[..nodes].chunks_mut(LANES)) {
+                    let added = *lobes * light as f32;
+                    columns.iter_mut().zip(added.to_array()).for_each(|(sum, a)| *sum += a);
                 }
             }
         }
@@ -340,19 +403,10 @@ impl Scattering for Surface<'_> {
         }
     }
 
-    fn pdf(&self, part: Part, wi: Vec3) -> f64 {
+    fn rates(&self) -> ([f64; 4], f64) {
         match self {
-            Self::Unknown { shape, unknown, .. } if !part.diffuse() => {
-                if (wi.z < 0.0) as usize != part.side() {
-                    return 0.0;
-                }
-                let density = |&alpha: &Alpha| match part {
-                    Part::SpecularReflection => lobe::reflection_pdf(alpha, shape.viewer(), wi),
-                    _ => lobe::transmission_pdf(alpha, shape.straight(), wi),
-                };
-                unknown.proposals.iter().map(density).sum()
-            }
-            _ => self.bsdf().pdf(part, wi),
+            Self::Known(_) => ([1.0; 4], 1.0),
+            Self::Unknown { unknown, .. } => ([unknown.rates[0], unknown.rates[0], unknown.rates[1], unknown.rates[1]], unknown.rates[2]),
         }
     }
 

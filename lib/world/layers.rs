@@ -2,10 +2,10 @@
 
 use super::{Clip, Found, Source, World};
 use crate::accel::Hit;
-use crate::bsdf::{Bsdf, Point, Reflectance};
+use crate::bsdf::{Bsdf, Point};
 use crate::color::Rgb;
 use crate::geometry::Ray;
-use crate::material::{Inside, Material};
+use crate::material::{Inside, Material, Reflectance};
 use crate::pattern::At;
 use crate::rules::Rules;
 use crate::scene::{Chain, ChainId, End, Link, MaterialId, Named};
@@ -383,7 +383,9 @@ fn apply(links: &[Link], at: &At, mut pattern: Rgb, mut perturbation: Vec3) -> (
             Link::Mixture(mixture) => {
                 let (coefficient, fore, back) = &**mixture;
                 if let Ok(c) = coefficient.coefficient(at) {
-                    let mix = |links: &[Link], share: f64| if share > 1e-6 { apply(links, at, pattern, perturbation) } else { (pattern, perturbation) };
+                    let mix = |links: &[Link], share: f64| {
+                        if share > 1e-6 { apply(links, at, pattern, perturbation) } else { (pattern, perturbation) }
+                    };
                     let (a, b) = (mix(fore, c), mix(back, 1.0 - c));
                     (pattern, perturbation) = (a.0 * c + b.0 * (1.0 - c), a.1 * c + b.1 * (1.0 - c));
                 }

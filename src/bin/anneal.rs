@@ -14,6 +14,7 @@ fn main() -> ExitCode {
 }
 
 fn run(arguments: Arguments, console: &Console) -> Outcome<Answer> {
+    let output = arguments.common.output.as_deref();
     match arguments.job()? {
         Job::Search(start) => search(&start, &arguments, console),
         Job::Propose(state, start) => {
@@ -23,7 +24,7 @@ fn run(arguments: Arguments, console: &Console) -> Outcome<Answer> {
             };
             search.save(&state)?;
             match search.proposal()? {
-                Some(candidate) => print(&candidate, &arguments).map(|()| Answer::Yes),
+                Some(candidate) => Output::whole(output, &candidate).map(|()| Answer::Yes),
                 None => found(&search, &arguments, console).map(|()| Answer::No),
             }
         }
@@ -52,8 +53,8 @@ fn search(start: &str, arguments: &Arguments, console: &Console) -> Outcome<Answ
     let mut search = begin(start, arguments, options.state.as_deref())?;
     let unknown = search.unknown().clone();
     let mut objective = Exec::new(command, &unknown)?;
-    let time = options.time.map(Duration::from_secs_f64);
-    let watch = Watch { state: options.state.as_deref(), log: options.log.as_deref(), time, console };
+    let time = options.time.map(|seconds| Duration::from_secs_f64(seconds.min(1e9)));
+    let watch = Watch { state: options.state.as_deref(), log: options.log.as_deref(), time, steps: options.steps, console };
     let reached = search.run(&mut objective, &watch)?;
     found(&search, arguments, console)?;
     Ok(if reached { Answer::Yes } else { Answer::No })
@@ -76,13 +77,7 @@ fn kept(state: &Path) -> Outcome<Search> {
 
 fn found(search: &Search, arguments: &Arguments, console: &Console) -> Outcome<()> {
     let (bytes, doubts) = search.found()?;
-    print(&bytes, arguments)?;
+    Output::whole(arguments.common.output.as_deref(), &bytes)?;
     doubts.iter().for_each(|doubt| console.warn(doubt));
     Ok(())
-}
-
-fn print(bytes: &[u8], arguments: &Arguments) -> Outcome<()> {
-    let mut out = Output::create(arguments.common.output.as_deref())?;
-    out.write(bytes)?;
-    out.finish()
 }

@@ -52,7 +52,9 @@ impl Said {
     fn light(&mut self, light: &Light) {
         self.option("-ab", light.ab, |n| match n {
             ..=0 => "no diffuse bounce is followed; -av stands for all indirect diffuse light".into(),
-            n => format!("light is followed through {n} diffuse bounce{}, unbiased; -av stands for the rest", if n == 1 { "" } else { "s" }),
+            n => {
+                format!("light is followed through {n} diffuse bounce{}, unbiased; -av stands for the rest", if n == 1 { "" } else { "s" })
+            }
         });
         self.option("-av", words(&light.av), |_| "radiance from everywhere in place of the diffuse bounces that -ab leaves out".into());
         self.list("-ae", &light.ae, "its surfaces gather no indirect light, but -av");
@@ -68,7 +70,9 @@ impl Said {
             Some(1..) => format!("a path ends where its weight falls below {w}"),
             _ => format!("below the weight {w} roulette decides whether a path goes on, which is unbiased"),
         });
-        self.option("-st", light.st, |st| format!("rough reflection and transmission of {st} or less count as diffuse, except for highlights of lamps"));
+        self.option("-st", light.st, |st| {
+            format!("rough reflection and transmission of {st} or less count as diffuse, except for highlights of lamps")
+        });
         self.option("-ss", light.ss, |s| match s {
             0.0 => "rough surfaces reflect like mirrors".into(),
             s if s < 1.0 => "RADIANCE's unweighted sample of rough reflection, narrowed".into(),
@@ -94,7 +98,9 @@ impl Said {
 
     fn picture(&mut self, arguments: &Arguments) {
         let picture = &arguments.picture;
-        self.option("-pa", picture.pa, |_| "height of a pixel over its width, by which -x and -y are fitted to the view; 0: they stay as they are".into());
+        self.option("-pa", picture.pa, |_| {
+            "height of a pixel over its width, by which -x and -y are fitted to the view; 0: they stay as they are".into()
+        });
         self.option("-pj", picture.pj, |j| format!("a pixel is sampled over {j} of its width (box filter)"));
         self.option("-pd", picture.pd, |_| "diameter of the lens; things are in focus at the length of -vd".into());
     }
