@@ -69,7 +69,7 @@ impl<'a> Photo<'a> {
         let place = flat.primitives.iter().rposition(is_it);
         let place = place.ok_or_else(|| unknown.material().error("it is not in the scene"))?;
 
-        let rules = arguments.light.rules();
+        let rules = scene::rules(&arguments.light, &disk)?;
         let scene = Scene::new(&flat, &disk, false)?;
         scene.warnings.iter().for_each(|w| console.warn(w));
         let material = scene.material(sought);

@@ -177,7 +177,7 @@ impl<'a> Blocks<'a> {
     fn new(sheet: &'a Sheet<'a>, width: usize) -> Self {
         let place = |&n: &usize| {
             let (x, y) = sheet.place(n);
-            (y / width) << 32 | x / width
+            ((y / width) << 32) | (x / width)
         };
         let mut names: Vec<usize> = sheet.numbers.iter().map(place).collect();
         names.sort_unstable();

@@ -7,7 +7,6 @@ use inverad::error::Error;
 use inverad::picture::exr::{Plane, Planes};
 use inverad::picture::{Header, Picture};
 use inverad::render::{Film, Rendering, Task, render};
-use inverad::resolve::Resolve;
 use inverad::scene::Scene;
 use inverad::world::World;
 use std::process::ExitCode;
@@ -26,7 +25,7 @@ fn run(args: Arguments, console: &Console) -> Outcome<Answer> {
     let film = Film::new(&view, size(args.picture.x), size(args.picture.y), args.picture.pa.unwrap_or(1.0))?;
 
     let disk = Disk::new(args.scene_options.commands, cal::shipped, console);
-    let rules = args.light.rules(&|list| Ok(words(&disk.library(list)?)))?;
+    let rules = cli::rules(&args.light, &disk)?;
     let flat = cli::flat(&args.scenes, &args.scene_options, &disk)?;
     let scene = Scene::new(&flat, &disk, args.skip_unsupported)?;
     if args.light.tuning.w != Some(false) {
@@ -89,9 +88,4 @@ fn variance(film: &Film, header: &Header, rendering: &Rendering) -> Planes {
         header: header.clone(),
         planes: ["R", "G", "B"].into_iter().enumerate().map(plane).collect(),
     }
-}
-
-/// The words of a text.
-fn words(text: &[u8]) -> Vec<String> {
-    String::from_utf8_lossy(text).split_whitespace().map(str::to_string).collect()
 }
