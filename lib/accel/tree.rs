@@ -2,6 +2,7 @@
 //!
 //! Everything in it is single precision, in a cube of size one round the origin; see [`Space`].
 
+use super::exact::Detail;
 use super::probe::Probe;
 use crate::geometry::Bounds;
 use crate::vector::Vec3;
@@ -9,7 +10,7 @@ use wide::f32x8;
 
 /// Set in a child that is not a node.
 pub(super) const LEAF: u32 = 1 << 31;
-/// Set, with [`LEAF`], in a child that is one primitive other than a triangle; the rest is its number.
+/// Set, with [`LEAF`], in a child that is one primitive other than a triangle; the rest is its number in the order of the leaves.
 pub(super) const SINGLE: u32 = 1 << 30;
 /// Set, with [`LEAF`] and without [`SINGLE`], in a child of two blocks of triangles; the rest is the number of the first.
 pub(super) const PAIR: u32 = 1 << 29;
@@ -35,8 +36,8 @@ impl Space {
 
     /// A world point in the tree's own coordinates.
     #[inline]
-    pub fn local(&self, p: Vec3) -> [f32; 3] {
-        ((p - self.center) * self.scale).to_array().map(|x| x as f32)
+    pub fn local(&self, p: Vec3) -> Vec3 {
+        (p - self.center) * self.scale
     }
 }
 
@@ -56,8 +57,8 @@ pub(super) struct Node {
 pub(super) struct Block {
     /// Per vertex and axis. Unused lanes are NaN, which no test accepts.
     pub corners: [[f32x8; 3]; 3],
-    /// Primitive numbers.
-    pub primitives: [u32; 8],
+    /// The number, in the order of the leaves, of the first.
+    pub first: u32,
 }
 
 /// The whole tree.
@@ -67,6 +68,8 @@ pub(super) struct Tree {
     pub nodes: Vec<Node>,
     /// Triangles.
     pub blocks: Vec<Block>,
+    /// All primitives, in the order of the leaves.
+    pub details: Vec<Detail>,
     /// Node 0, a leaf, or `None` when there is nothing.
     pub root: Option<u32>,
 }
@@ -84,45 +87,68 @@ impl Tree {
         let mut spilled: Vec<u64> = Vec::new();
         let mut top = 0;
         let origin = probe.origin.map(f32x8::splat);
+        // A few roundings make each bound, and the triangle test a few more; widening the far ones keeps every box the exact ray touches
+        // (Ize 2013, "Robust BVH Ray Traversal").
         let inverse = probe.inverse.map(f32x8::splat);
+        let wider = probe.inverse.map(|x| f32x8::splat(x * (1.0 + 8.0 * f32::EPSILON)));
         let [first, second, third] = probe.negative.map(usize::from);
         loop {
             if current & LEAF == 0 {
                 let node = &self.nodes[current as usize];
-                let slab = |axis: usize, side: usize| (node.bounds[axis][side] - origin[axis]) * inverse[axis];
-                let near = slab(0, first).fast_max(slab(1, second)).fast_max(slab(2, third).fast_max(f32x8::ZERO));
-                // A few roundings make each bound, and the triangle test a few more; widening the far one keeps every box the exact ray touches (Ize 2013, "Robust BVH Ray
-                // Traversal").
-                let far =
-                    slab(0, first ^ 1).fast_min(slab(1, second ^ 1)).fast_min(slab(2, third ^ 1)) * f32x8::splat(1.0 + 8.0 * f32::EPSILON);
-                let mut mask = near.simd_le(far.fast_min(f32x8::splat(limit))).to_bitmask();
-                if mask != 0 {
-                    let near = near.to_array();
-                    if mask & (mask - 1) == 0 {
-                        current = node.child[(mask.trailing_zeros() & 7) as usize];
+                let slab = |axis: usize, side: usize| node.bounds[axis][side] - origin[axis];
+                let near_x = slab(0, first) * inverse[0];
+                let near_y = slab(1, second) * inverse[1];
+                let near_z = slab(2, third) * inverse[2];
+                let far_x = slab(0, first ^ 1) * wider[0];
+                let far_y = slab(1, second ^ 1) * wider[1];
+                let far_z = slab(2, third ^ 1) * wider[2];
+                let near = near_x.fast_max(near_y).fast_max(near_z.fast_max(f32x8::ZERO));
+                let far = far_x.fast_min(far_y).fast_min(far_z.fast_min(f32x8::splat(limit)));
+                let first_of = near.simd_le(far).to_bitmask();
+                if first_of != 0 {
+                    // Go on with the nearest child and stack the others, the farthest first. Two or three, if there is more than one, are
+                    // placed without branches, an absent one being farther than any.
+                    let rest = |mask: u32| mask & mask.wrapping_sub(1);
+                    let second_of = rest(first_of);
+                    if second_of == 0 {
+                        current = node.child[(first_of.trailing_zeros() & 7) as usize];
                         continue;
                     }
+                    let near = near.to_array();
+                    let entry = |mask: u32| {
+                        let lane = (mask.trailing_zeros() & 7) as usize;
+                        u64::from(near[lane].to_bits()) << 32 | u64::from(node.child[lane])
+                    };
+                    let third_of = rest(second_of);
+                    let mut more = rest(third_of);
+                    let absent = u64::from(third_of == 0).wrapping_neg();
+                    let (a, b, c) = (entry(first_of), entry(second_of), entry(third_of) | absent);
+                    let (a, b) = (a.min(b), a.max(b));
+                    let (b, c) = (b.min(c), b.max(c));
+                    let (mut a, b) = (a.min(b), a.max(b));
                     if top > STACK - 8 {
                         spilled.extend_from_slice(&stack[..top]);
                         top = 0;
                     }
                     let base = top;
-                    while mask != 0 {
-                        let lane = (mask.trailing_zeros() & 7) as usize;
-                        mask &= mask - 1;
-                        let entry = u64::from(near[lane].to_bits()) << 32 | u64::from(node.child[lane]);
+                    stack[top % STACK] = c;
+                    top += usize::from(third_of != 0);
+                    stack[top % STACK] = b;
+                    top += 1;
+                    while more != 0 {
+                        let d = entry(more);
+                        more = rest(more);
+                        let next = a.max(d);
+                        a = a.min(d);
                         let mut place = top;
-                        if ORDERED {
-                            while place > base && stack[(place - 1) % STACK] < entry {
-                                stack[place % STACK] = stack[(place - 1) % STACK];
-                                place -= 1;
-                            }
+                        while ORDERED && place > base && stack[(place - 1) % STACK] < next {
+                            stack[place % STACK] = stack[(place - 1) % STACK];
+                            place -= 1;
                         }
-                        stack[place % STACK] = entry;
+                        stack[place % STACK] = next;
                         top += 1;
                     }
-                    top -= 1;
-                    current = stack[top % STACK] as u32;
+                    current = a as u32;
                     continue;
                 }
             } else {
@@ -151,11 +177,11 @@ impl Tree {
         }
     }
 
-    /// The blocks of a leaf of triangles.
+    /// The blocks of a leaf of triangles, with their numbers.
     #[inline(always)]
-    pub fn blocks_of(&self, leaf: u32) -> &[Block] {
-        let first = (leaf & (PAIR - 1)) as usize;
+    pub fn blocks_of(&self, leaf: u32) -> impl Iterator<Item = (u32, &Block)> {
+        let first = leaf & (PAIR - 1);
         let count = if leaf & PAIR == 0 { 1 } else { 2 };
-        &self.blocks[first..first + count]
+        (first..).zip(&self.blocks[first as usize..(first + count) as usize])
     }
 }
