@@ -13,6 +13,9 @@ const LEAD: f32 = 1.0 / 65536.0;
 /// What the uncertainty of a distance is at most taken for: a ray that runs within a millionth of a triangle's plane is not worth more.
 const WORST: f32 = 1.0 / 64.0;
 
+/// The axes of the sheared space, by which component of the direction is the largest: two others, and that.
+static AXES: [[u8; 3]; 4] = [[1, 2, 0], [2, 0, 1], [0, 1, 2], [0, 1, 2]];
+
 /// Which lanes of a block are hit.
 pub(super) struct Lanes {
     /// One bit each.
@@ -50,7 +53,7 @@ pub(super) struct Probe {
     /// World distance per unit of this one's.
     unit: f64,
     /// Axes: two others, and the one the direction is longest along.
-    axes: [usize; 3],
+    axes: [u8; 3],
     /// The shear that makes the ray the third axis (Woop et al. 2013, "Watertight Ray/Triangle Intersection").
     shear: [f32; 3],
 }
@@ -59,7 +62,7 @@ impl Probe {
     /// The probe for the part of the ray between the distances, or `None` when it misses the bounds.
     #[inline(always)]
     pub fn new(space: &Space, ray: &Ray, t_min: f64, t_max: f64) -> Option<Self> {
-        let unit = 1.0 / space.scale;
+        let unit = space.unit;
         let lead = f64::from(LEAD) * unit;
         let mut start = t_min;
         let at = ray.at(start);
@@ -91,10 +94,11 @@ impl Probe {
         let a = d.map(f32::abs);
         // Which component is largest is anyone's guess: no branches.
         let y = usize::from(a[1] > a[0]);
-        let axes = [[1, 2, 0], [2, 0, 1], [0, 1, 2], [0, 1, 2]][y + usize::from(a[2] > a[0].max(a[1])) * 2];
+        let axes = AXES[y + usize::from(a[2] > a[0].max(a[1])) * 2];
         // Boxes are padded, so a huge number stands for infinity without ever making 0 · ∞.
         let inverse = d.map(|d| 1.0 / if d.abs() < 1e-18 { 1e-18f32.copysign(d) } else { d });
-        let depth = inverse[axes[2]];
+        let [i, j, k] = axes.map(usize::from);
+        let depth = inverse[k];
         let reach = ((t_max - start) * space.scale) as f32;
         Some(Self {
             origin,
@@ -109,7 +113,7 @@ impl Probe {
             start,
             unit,
             axes,
-            shear: [d[axes[0]] * depth, d[axes[1]] * depth, depth],
+            shear: [d[i] * depth, d[j] * depth, depth],
         })
     }
 
@@ -147,8 +151,8 @@ impl Probe {
     /// on are not hit; no ray passes between triangles that share an edge or a vertex (Woop et al. 2013).
     #[inline(always)]
     pub fn test(&self, block: &Block, limit: f32) -> Lanes {
-        let [i, j, k] = self.axes;
-        let origin = self.axes.map(|axis| f32x8::splat(self.origin[axis]));
+        let [i, j, k] = self.axes.map(usize::from);
+        let origin = [i, j, k].map(|axis| f32x8::splat(self.origin[axis]));
         let shear = self.shear.map(f32x8::splat);
         let corner = |v: usize| {
             let z = block.corners[v][k] - origin[2];

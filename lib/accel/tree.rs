@@ -22,6 +22,8 @@ pub(super) struct Space {
     pub center: Vec3,
     /// A power of two.
     pub scale: f64,
+    /// One over `scale`.
+    pub unit: f64,
     /// The world bounds of all there is.
     pub bounds: Bounds,
 }
@@ -31,7 +33,7 @@ impl Space {
     pub fn new(bounds: Bounds) -> Self {
         let exponent = if bounds.is_empty() { 0.0 } else { bounds.size().log2().ceil().clamp(-900.0, 900.0) };
         let center = if bounds.is_empty() { Vec3::ZERO } else { bounds.center() };
-        Self { center, scale: (-exponent).exp2(), bounds }
+        Self { center, scale: (-exponent).exp2(), unit: exponent.exp2(), bounds }
     }
 
     /// A world point in the tree's own coordinates.
@@ -75,7 +77,7 @@ pub(super) struct Tree {
 }
 
 /// Entries of the stack that need no allocation.
-const STACK: usize = 64;
+const STACK: usize = 32;
 
 impl Tree {
     /// Visits the leaves whose boxes the probe passes before `limit`, near ones first if `ORDERED`. `leaf` gets the leaf's number and the
