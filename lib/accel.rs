@@ -161,7 +161,7 @@ impl Accel {
                     let lane = (lanes.mask.trailing_zeros() & 7) as usize;
                     lanes.mask &= lanes.mask - 1;
                     let (t, blur, slot) = (lanes.t[lane], lanes.blur[lane], number << 3 | lane as u32);
-                    if t <= limit && probe.within(t, blur).unwrap_or_else(|| self.within(&probe, slot, t, t_min, t_max)) {
+                    if t <= limit && probe.within(t, blur).unwrap_or_else(|| self.within(&probe, slot, t_min, t_max)) {
                         limit = best.take(t, blur, slot);
                     }
                 }
@@ -193,7 +193,7 @@ impl Accel {
                     let lanes = probe.test(block, limit);
                     (0..8).filter(|lane| lanes.mask >> lane & 1 == 1).any(|lane| {
                         let (t, blur) = (lanes.t[lane], lanes.blur[lane]);
-                        probe.within(t, blur).unwrap_or_else(|| self.within(&probe, number << 3 | lane as u32, t, t_min, t_max))
+                        probe.within(t, blur).unwrap_or_else(|| self.within(&probe, number << 3 | lane as u32, t_min, t_max))
                     })
                 })
             };
@@ -279,8 +279,8 @@ impl Accel {
 
     /// Whether a triangle's exact distance is in the range.
     #[inline(never)]
-    fn within(&self, probe: &Probe, slot: u32, near: f32, t_min: f64, t_max: f64) -> bool {
-        let t = probe.world(self.tree.meet(probe, slot, near).t);
+    fn within(&self, probe: &Probe, slot: u32, t_min: f64, t_max: f64) -> bool {
+        let t = probe.world(self.tree.plane(probe, slot));
         t > t_min && t < t_max
     }
 }

@@ -121,7 +121,11 @@ impl Accel {
         let tree = collapse(&binary, &primitives, corners);
         // World positions were needed only to get here.
         let mut surfaces = surfaces;
-        surfaces.iter_mut().for_each(|surface| if let Body::Mesh(placed) = surface { placed.moved = None });
+        surfaces.iter_mut().for_each(|surface| {
+            if let Body::Mesh(placed) = surface {
+                placed.moved = None
+            }
+        });
         Ok(Self { tree, space, surfaces, ranks, tolerance: tolerance(bounds.size()), dropped, depth })
     }
 }

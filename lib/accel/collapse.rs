@@ -16,6 +16,8 @@ const NODE: f32 = 1.0;
 const BLOCK: f32 = 0.9;
 /// Cost of a primitive other than a triangle.
 const OTHER: f32 = 0.9;
+/// By how much the boxes are larger than what is in them: more than twice what rounding can shift an origin within the tree's cube.
+const MARGIN: f32 = f32::EPSILON;
 /// Blocks in a leaf at most.
 const BLOCKS: u32 = 2;
 /// Subtrees smaller than this are not worth a thread.
@@ -82,9 +84,8 @@ pub(super) fn collapse(binary: &Binary, primitives: &[(u32, u32)], corners: impl
         for (lane, &child) in children.iter().enumerate() {
             let b = binary.boxes[child];
             for (axis, sides) in boxes.iter_mut().enumerate() {
-                let pad = |x: f32| x.abs() * (1.0 / 4194304.0) + 1e-12;
-                sides[0][lane] = b.min[axis] - pad(b.min[axis]);
-                sides[1][lane] = b.max[axis] + pad(b.max[axis]);
+                sides[0][lane] = b.min[axis] - MARGIN;
+                sides[1][lane] = b.max[axis] + MARGIN;
             }
         }
         let begin = todo.len();

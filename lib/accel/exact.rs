@@ -34,17 +34,30 @@ impl Tree {
         self.blocks[(slot >> 3) as usize].first as usize + (slot & 7) as usize
     }
 
+    /// The distance along the probe to the plane of the triangle in a slot.
+    #[inline(always)]
+    pub fn plane(&self, probe: &Probe, slot: u32) -> f64 {
+        let [a, b, c] = self.corners(slot);
+        let normal = (b - a).cross(c - a);
+        (a - probe.exact_origin).dot(normal) / probe.direction.dot(normal)
+    }
+
+    /// The corners of the triangle in a slot.
+    #[inline(always)]
+    fn corners(&self, slot: u32) -> [Vec3; 3] {
+        let (block, lane) = (&self.blocks[(slot >> 3) as usize], (slot & 7) as usize);
+        let detail = &self.details[block.first as usize + lane];
+        [0, 1, 2].map(|v| {
+            let exact = |axis: usize| f64::from(block.corners[v][axis].as_array()[lane]) + f64::from(detail.residue[v][axis]);
+            Vec3::new(exact(0), exact(1), exact(2))
+        })
+    }
+
     /// How the probe meets the triangle in a slot, which it is known to hit at about the distance `near`; at a point of the triangle in any
     /// case, give or take what single precision is wrong by.
     #[inline(always)]
     pub fn meet(&self, probe: &Probe, slot: u32, near: f32) -> Meeting {
-        let (block, lane) = (&self.blocks[(slot >> 3) as usize], (slot & 7) as usize);
-        let detail = &self.details[block.first as usize + lane];
-        let corner = |v: usize| {
-            let exact = |axis: usize| f64::from(block.corners[v][axis].as_array()[lane]) + f64::from(detail.residue[v][axis]);
-            Vec3::new(exact(0), exact(1), exact(2))
-        };
-        let corners = [corner(0), corner(1), corner(2)];
+        let corners = self.corners(slot);
         // Seen from a point of the ray near the triangle no digits are lost, however far the ray has come.
         let near = f64::from(near);
         let from = probe.exact_origin + probe.direction * near;

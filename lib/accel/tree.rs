@@ -88,22 +88,20 @@ impl Tree {
         let mut stack = [0u64; STACK];
         let mut spilled: Vec<u64> = Vec::new();
         let mut top = 0;
-        let origin = probe.origin.map(f32x8::splat);
-        // A few roundings make each bound, and the triangle test a few more; widening the far ones keeps every box the exact ray touches
-        // (Ize 2013, "Robust BVH Ray Traversal").
+        // A few roundings make each bound, and the triangle test a few more: the boxes have a margin for those that grow with the origin,
+        // widening the far bounds allows for those that grow with the distance (Ize 2013, "Robust BVH Ray Traversal").
         let inverse = probe.inverse.map(f32x8::splat);
-        let wider = probe.inverse.map(|x| f32x8::splat(x * (1.0 + 8.0 * f32::EPSILON)));
+        let shift = [0, 1, 2].map(|axis| f32x8::splat(probe.origin[axis] * probe.inverse[axis]));
+        let wider = inverse.map(|x| x * f32x8::splat(1.0 + 8.0 * f32::EPSILON));
+        let wider_shift = [0, 1, 2].map(|axis| f32x8::splat(probe.origin[axis]) * wider[axis]);
         let [first, second, third] = probe.negative.map(usize::from);
         loop {
             if current & LEAF == 0 {
                 let node = &self.nodes[current as usize];
-                let slab = |axis: usize, side: usize| node.bounds[axis][side] - origin[axis];
-                let near_x = slab(0, first) * inverse[0];
-                let near_y = slab(1, second) * inverse[1];
-                let near_z = slab(2, third) * inverse[2];
-                let far_x = slab(0, first ^ 1) * wider[0];
-                let far_y = slab(1, second ^ 1) * wider[1];
-                let far_z = slab(2, third ^ 1) * wider[2];
+                let near = |axis: usize, side: usize| node.bounds[axis][side].mul_sub(inverse[axis], shift[axis]);
+                let far = |axis: usize, side: usize| node.bounds[axis][side].mul_sub(wider[axis], wider_shift[axis]);
+                let (near_x, near_y, near_z) = (near(0, first), near(1, second), near(2, third));
+                let (far_x, far_y, far_z) = (far(0, first ^ 1), far(1, second ^ 1), far(2, third ^ 1));
                 let near = near_x.fast_max(near_y).fast_max(near_z.fast_max(f32x8::ZERO));
                 let far = far_x.fast_min(far_y).fast_min(far_z.fast_min(f32x8::splat(limit)));
                 let first_of = near.simd_le(far).to_bitmask();
