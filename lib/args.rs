@@ -10,6 +10,10 @@ use spelling::{Rewritten, is_radiance, is_switch, rewrite};
 use std::ffi::OsString;
 use std::path::PathBuf;
 
+pub mod anneal;
+pub mod imgdiff;
+pub mod rparse;
+pub mod rtrace;
 pub mod spelling;
 
 /// Options that mean the same to all four programs.
@@ -65,9 +69,13 @@ pub enum Commands {
 
 /// The words of every view option, in the order they were typed: `-vf cam.vf -vp 0 0 5 -vth`.
 #[derive(clap::Args, Clone, Debug, Default)]
+#[command(
+    after_help = "View options, as for rpict: -vf FILE; -vtv, l, c, h, a or s; -vp X Y Z; -vd X Y Z; -vu X Y Z; -vh N; -vv N; -vo N; -va N; \
+                        -vs N; -vl N. They apply in the order they are given."
+)]
 pub struct ViewWords {
-    /// The view, as for rpict: -vf FILE, -vtv|l|c|h|a|s, -vp X Y Z, -vd X Y Z, -vu X Y Z, -vh N, -vv N, -vs N, -vl N, -vo N, -va N
-    #[arg(id = spelling::VIEW_WORDS, long = spelling::VIEW_WORDS, hide = true, action = ArgAction::Append, value_name = "WORD")]
+    /// For [`crate::view::View::apply`].
+    #[arg(id = spelling::VIEW_WORDS, long = spelling::VIEW_WORDS, hide = true, action = ArgAction::Append)]
     pub words: Vec<String>,
 }
 
@@ -86,7 +94,7 @@ pub fn parse<A: Parser>(words: Vec<OsString>, read: &dyn Fn(&str) -> Result<Stri
     let Rewritten { words, trail } = rewrite(&command, words, read)?;
     let matches = match command.try_get_matches_from_mut(words) {
         Ok(matches) => matches,
-        Err(error) if !error.use_stderr() => return Ok(Typed::Print(one_dash(&error.render().ansi().to_string(), " -").into_bytes())),
+        Err(error) if !error.use_stderr() => return Ok(Typed::Print(one_dash(&error.render().to_string(), " -").into_bytes())),
         Err(error) => return Err(usage(&error)),
     };
     let mut printed = Vec::new();

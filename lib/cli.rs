@@ -4,6 +4,8 @@
 //! answers yes or no, or stops: with an error, or because nobody reads its output any more.
 
 pub use disk::Disk;
+pub use scene::{documents, flat, view};
+pub use signal::interrupted;
 pub use stream::{Input, Output};
 
 use crate::args::{self, Common, Typed};
@@ -13,7 +15,12 @@ use std::process::ExitCode;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
+pub mod exec;
+pub mod search;
+
 mod disk;
+mod scene;
+mod signal;
 mod stream;
 
 /// What a program that worked has to say by its exit status.
@@ -51,10 +58,7 @@ pub fn main<A: clap::Parser + AsRef<Common>>(tool: &'static str, run: impl FnOnc
     }));
     let outcome = args::parse::<A>(std::env::args_os().collect(), &|name| Ok(String::from_utf8_lossy(&stream::file(name)?).into_owned()));
     let stopped = match outcome {
-        Ok(Typed::Print(text)) => Output::create(None).and_then(|mut out| {
-            out.write(&text)?;
-            out.finish().map(|()| Answer::Yes)
-        }),
+        Ok(Typed::Print(text)) => Output::whole(None, &text).map(|()| Answer::Yes),
         Ok(Typed::Run(arguments, trail)) => {
             let common = arguments.as_ref();
             let console = Console::new(tool, common.quiet, common.progress, trail);

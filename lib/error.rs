@@ -1,7 +1,7 @@
 //! What went wrong and where: one message, with file, line and column where there are such.
 
 use std::fmt;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// A text that was read, kept so that errors can point into it.
 #[derive(Debug)]
@@ -10,12 +10,21 @@ pub struct Source {
     pub name: String,
     /// The whole text.
     pub text: String,
+    /// Where each line begins; found when first asked for.
+    lines: OnceLock<Vec<usize>>,
 }
 
 impl Source {
     /// A source of that name and text.
     pub fn new(name: impl Into<String>, text: impl Into<String>) -> Arc<Self> {
-        Arc::new(Self { name: name.into(), text: text.into() })
+        Arc::new(Self { name: name.into(), text: text.into(), lines: OnceLock::new() })
+    }
+
+    /// Where each line begins.
+    fn lines(&self) -> &[usize] {
+        self.lines.get_or_init(|| {
+            std::iter::once(0).chain(self.text.bytes().enumerate().filter(|(_, b)| *b == b'\n').map(|(i, _)| i + 1)).collect()
+        })
     }
 }
 
@@ -38,10 +47,10 @@ impl Span {
 
     /// Line and column (in characters), both from 1.
     pub fn line_column(&self) -> (usize, usize) {
-        let before = &self.source.text.as_bytes()[..self.start.min(self.source.text.len())];
-        let line_start = before.iter().rposition(|&b| b == b'\n').map_or(0, |i| i + 1);
-        let line = before.iter().filter(|&&b| b == b'\n').count() + 1;
-        (line, String::from_utf8_lossy(&before[line_start..]).chars().count() + 1)
+        let at = self.start.min(self.source.text.len());
+        let line = self.source.lines().partition_point(|&begin| begin <= at);
+        let before = &self.source.text.as_bytes()[self.source.lines()[line - 1]..at];
+        (line, String::from_utf8_lossy(before).chars().count() + 1)
     }
 
     /// An error at this place. The message says what is wrong and, where known, what to do about it.
@@ -67,6 +76,13 @@ impl Error {
     pub fn new(message: impl Into<String>) -> Self {
         Self { message: message.into(), place: None }
     }
+
+    /// `file:line:column: message`, for what is no error but a warning.
+    pub fn remark(&self) -> String {
+        let Some(place) = &self.place else { return self.message.clone() };
+        let (line, column) = place.line_column();
+        format!("{}:{line}:{column}: {}", place.source.name, self.message)
+    }
 }
 
 impl From<String> for Error {
@@ -83,7 +99,9 @@ impl fmt::Display for Error {
         let Some(place) = &self.place else { return write!(f, "error: {}", printable(&self.message)) };
         let (line, column) = place.line_column();
         write!(f, "{}:{line}:{column}: error: {}", printable(&place.source.name), printable(&self.message))?;
-        let Some(text) = place.source.text.lines().nth(line - 1) else { return Ok(()) };
+        let Some(text) = place.source.text.get(place.source.lines()[line - 1]..).and_then(|rest| rest.lines().next()) else {
+            return Ok(());
+        };
         // Show at most a screen's width around the place.
         let skip = (column - 1).saturating_sub(60);
         let shown: String = text.chars().skip(skip).take(120).collect();

@@ -4,13 +4,13 @@
 //! [`Resolve::command`], which decides. As in RADIANCE a command that fails (a missing file, a wrong option) is a warning,
 //! and what it printed stays; text that it printed and that cannot be read is an error.
 
-mod genbox;
+mod generate;
 mod printf;
 mod shell;
 mod xform;
 
 use crate::error::{Error, Result, Source, Span};
-use crate::rad::{Document, Primitive, Statement, word};
+use crate::rad::{Document, Primitive, Statement, decode, word};
 use crate::resolve::Resolve;
 use shell::{Stage, pipeline, quoted};
 use std::collections::HashMap;
@@ -24,6 +24,8 @@ const DEPTH_LIMIT: usize = 64;
 const COMMAND_LIMIT: usize = 1_000_000;
 /// Most primitives that commands may make, copies at every level of nesting counted.
 const PRIMITIVE_LIMIT: usize = 32_000_000;
+/// After so many errors no more are looked for.
+const ERROR_LIMIT: usize = 1000;
 
 /// A description without commands.
 #[derive(Debug, Default)]
@@ -49,13 +51,39 @@ pub struct Annotation {
     pub before: usize,
 }
 
-/// Carries out all commands of `documents`, which follow each other.
+/// Carries out all commands of `documents`, which follow each other, up to the first error.
 pub fn expand(documents: Vec<Document>, resolve: &dyn Resolve) -> Result<Flat> {
-    let mut expander = Expander { resolve, warnings: Vec::new(), commands: 0, made: 0, within: Vec::new(), files: HashMap::new() };
+    let (flat, errors) = expand_with(documents, resolve, 1);
+    errors.into_iter().next().map_or(Ok(flat), Err)
+}
+
+/// As [`expand`], but goes on after an error: what could be read, and everything that is wrong with the rest.
+pub fn expand_all_errors(documents: Vec<Document>, resolve: &dyn Resolve) -> (Flat, Vec<Error>) {
+    expand_with(documents, resolve, ERROR_LIMIT)
+}
+
+fn expand_with(documents: Vec<Document>, resolve: &dyn Resolve, patience: usize) -> (Flat, Vec<Error>) {
+    let mut expander = Expander {
+        resolve,
+        patience,
+        errors: Vec::new(),
+        warnings: Vec::new(),
+        commands: 0,
+        made: 0,
+        within: Vec::new(),
+        files: HashMap::new(),
+    };
     let mut flat = Flat::default();
     for document in documents {
         expander.within.push(plain_path(&document.source.name));
-        for item in expander.flatten(items(document), "")? {
+        let items = match expander.flatten(items(document), "") {
+            Ok(items) => items,
+            Err(error) => {
+                expander.errors.push(error);
+                break;
+            }
+        };
+        for item in items {
             match item {
                 Item::Primitive(p) => flat.primitives.push(p),
                 Item::Annotation(a) => flat.annotations.push(Annotation { before: flat.primitives.len(), ..a }),
@@ -65,7 +93,7 @@ pub fn expand(documents: Vec<Document>, resolve: &dyn Resolve) -> Result<Flat> {
         expander.within.pop();
     }
     flat.warnings = expander.warnings;
-    Ok(flat)
+    (flat, expander.errors)
 }
 
 /// An error at the first command of `documents`, for those who want none run.
@@ -127,6 +155,9 @@ fn fatal(error: Error) -> Stop {
 
 struct Expander<'a> {
     resolve: &'a dyn Resolve,
+    /// How many errors it takes to stop.
+    patience: usize,
+    errors: Vec<Error>,
     warnings: Vec<String>,
     commands: usize,
     made: usize,
@@ -145,7 +176,15 @@ impl Expander<'_> {
         let mut flat = Vec::with_capacity(items.len());
         for item in items {
             match item {
-                Item::Command(command) => flat.append(&mut self.run(&command, folder)?),
+                Item::Command(command) => {
+                    let depth = self.within.len();
+                    match self.run(&command, folder) {
+                        Ok(mut items) => flat.append(&mut items),
+                        Err(error) if self.errors.len() + 1 < self.patience => self.errors.push(error),
+                        Err(error) => return Err(error),
+                    }
+                    self.within.truncate(depth);
+                }
                 item => flat.push(item),
             }
         }
@@ -162,22 +201,30 @@ impl Expander<'_> {
         if self.commands > COMMAND_LIMIT {
             return Err(span.error(format!("more than {COMMAND_LIMIT} commands; expand the scene in parts")));
         }
-        let stages = pipeline(text).filter(|stages| stages.iter().all(|s| is_built_in(&s.words[0])));
+        let stages = pipeline(text).filter(|stages| stages.iter().all(|s| is_built_in(&s.words)));
         self.within.push(format!("!{text}"));
         let items = match stages {
             Some(stages) => self.pipe(stages, command, folder)?,
             None => {
                 let there = if folder.is_empty() { text.clone() } else { format!("cd {} && {text}", quoted(folder)) };
                 let bytes = self.resolve.command(&there).map_err(|e| span.error(e.message))?;
-                items(Document::read(&format!("!{text}"), bytes)?)
+                self.read(&format!("!{text}"), bytes)?
             }
         };
         if !items.iter().any(|i| matches!(i, Item::Primitive(_) | Item::Command(_))) {
             self.warn(span, "the command printed no primitive");
         }
-        let flat = self.flatten(items, folder);
-        self.within.pop();
-        flat
+        self.flatten(items, folder)
+    }
+
+    /// The items of a text, its commands not carried out.
+    fn read(&mut self, name: &str, bytes: Vec<u8>) -> Result<Vec<Item>> {
+        let (document, mut errors) = Document::parse_all_errors(Source::new(name, decode(bytes)));
+        if self.errors.len() + errors.len() >= self.patience && !errors.is_empty() {
+            return Err(errors.swap_remove(0));
+        }
+        self.errors.append(&mut errors);
+        Ok(items(document))
     }
 
     fn pipe(&mut self, stages: Vec<Stage>, command: &Command, folder: &str) -> Result<Vec<Item>> {
@@ -205,11 +252,17 @@ impl Expander<'_> {
             "xform" => return self.xform(arguments, input, folder, out),
             "cat" => return self.cat(arguments, input, folder, out),
             "echo" => Ok(echo(arguments)),
-            _ => genbox::genbox(arguments),
+            _ => {
+                let read = |name: &str, library: bool| {
+                    let path = joined(folder, name);
+                    let bytes = if library { self.library(&path, name).map(|(_, bytes)| bytes) } else { self.resolve.scene(&path) };
+                    bytes.map(decode)
+                };
+                generate::generate(program, arguments, &read)
+            }
         };
         let text = printed.map_err(Stop::Failed)?;
-        let source = Source::new(format!("!{}", stage.words.join(" ")), text);
-        out.append(&mut items(Document::parse(source).map_err(fatal)?));
+        out.append(&mut self.read(&format!("!{}", stage.words.join(" ")), text.into_bytes()).map_err(fatal)?);
         Ok(())
     }
 
@@ -233,11 +286,11 @@ impl Expander<'_> {
         let path = joined(folder, name);
         self.enter(&path).map_err(fatal)?;
         let bytes = self.resolve.scene(&path).map_err(Stop::Failed)?;
-        Document::read(&path, bytes).map(items).map_err(fatal)
+        self.read(&path, bytes).map_err(fatal)
     }
 
     fn xform(&mut self, arguments: &[String], input: Vec<Item>, folder: &str, out: &mut Vec<Item>) -> Step<()> {
-        let argument_file = |name: &str| self.resolve.scene(&joined(folder, name)).map(crate::rad::decode);
+        let argument_file = |name: &str| self.resolve.scene(&joined(folder, name)).map(decode);
         let xform = Xform::parse(arguments, argument_file).map_err(Stop::Failed)?;
         // Read all files before the first copy; a missing one ends each copy where it stands.
         let (mut inputs, mut missing) = (Vec::new(), None);
@@ -268,17 +321,13 @@ impl Expander<'_> {
 
     /// The items of a file that `xform` names. Commands in it are carried out in that file's directory.
     fn operand(&mut self, name: &str, folder: &str, expand: bool) -> Step<Arc<Vec<Item>>> {
-        let mut path = joined(folder, name);
+        let path = joined(folder, name);
         if expand && let Some(items) = self.files.get(&path) {
             return Ok(items.clone());
         }
         self.enter(&path).map_err(fatal)?;
-        let mut found = self.resolve.library(&path);
-        if found.is_err() && path != name && !name.starts_with('.') {
-            path = name.to_string();
-            found = self.resolve.library(&path);
-        }
-        let items = items(Document::read(&path, found.map_err(Stop::Failed)?).map_err(fatal)?);
+        let (path, bytes) = self.library(&path, name).map_err(Stop::Failed)?;
+        let items = self.read(&path, bytes).map_err(fatal)?;
         if !expand {
             return Ok(Arc::new(items));
         }
@@ -287,6 +336,14 @@ impl Expander<'_> {
         self.within.pop();
         self.files.insert(joined(folder, name), flat.clone());
         Ok(flat)
+    }
+
+    /// A library file, looked for beside the file that names it and then as it is named; and the name it was found by.
+    fn library(&self, path: &str, name: &str) -> Result<(String, Vec<u8>)> {
+        match self.resolve.library(path) {
+            Err(_) if path != name && !name.starts_with('.') => self.resolve.library(name).map(|bytes| (name.into(), bytes)),
+            found => found.map(|bytes| (path.into(), bytes)),
+        }
     }
 
     /// An error if the file is being read already.
@@ -300,13 +357,12 @@ impl Expander<'_> {
     }
 
     fn warn(&mut self, span: &Span, message: &str) {
-        let (line, column) = span.line_column();
-        self.warnings.push(format!("{}:{line}:{column}: {message}", span.source.name));
+        self.warnings.push(span.error(message).remark());
     }
 }
 
-fn is_built_in(program: &str) -> bool {
-    matches!(program, "xform" | "cat" | "echo" | "genbox")
+fn is_built_in(words: &[String]) -> bool {
+    matches!(words[0].as_str(), "xform" | "cat" | "echo") || generate::is_known(words)
 }
 
 /// What the shell's `echo` prints; like dash's it knows `\n` and `\t`.

@@ -1,14 +1,20 @@
 //! The syntax of scene files (`.rad`), read without loss: what was not changed is printed byte for byte.
 
 mod bytes;
+mod json;
 mod lex;
+mod links;
 mod parse;
 mod print;
+mod set;
 mod types;
 
 pub use bytes::{decode, encode};
+pub use json::json;
 pub use lex::{is_space, real, word};
+pub use links::{Link, Links};
 pub use print::{Number, Quoted};
+pub use set::set;
 pub use types::{Class, Reals, TYPES, Type};
 
 use crate::error::{Error, Result, Source, Span};
@@ -77,22 +83,6 @@ impl Document {
     /// The primitives that are written in it.
     pub fn primitives(&self) -> impl Iterator<Item = &Primitive> {
         self.statements.iter().filter_map(|s| if let Statement::Primitive(p) = s { Some(p) } else { None })
-    }
-
-    /// Gives real argument `index` of the last modifier called `name` the value `value`; nothing else changes in print.
-    pub fn set(&mut self, name: &str, index: usize, value: f64) -> Result<()> {
-        let place = self.statements.iter_mut().rev().find_map(|s| match s {
-            Statement::Primitive(p) if p.name == name && Type::named(&p.kind).is_some_and(Type::is_modifier) => Some(p),
-            _ => None,
-        });
-        let Some(primitive) = place else { return Err(Error::new(format!("no modifier is called `{name}`"))) };
-        if index >= primitive.reals.len() {
-            return Err(primitive.error(format!("`{name}` has {} real arguments, not {}", primitive.reals.len(), index + 1)));
-        }
-        let word = primitive.real_span(index);
-        primitive.reals[index] = value;
-        self.changes.insert(word.start, (word.end, Number(value).to_string()));
-        Ok(())
     }
 
     /// The file: byte for byte as it was read, except for the changed words.

@@ -83,8 +83,17 @@ impl Transform {
         self.affine.transform_vector3(v)
     }
 
+    /// This transform `count` times, by repeated squaring.
     fn repeated(&self, count: usize) -> Self {
-        (0..count).fold(Self::IDENTITY, |done, _| done.then(self))
+        let (mut done, mut power, mut left) = (Self::IDENTITY, *self, count);
+        while left > 0 {
+            if left % 2 == 1 {
+                done = done.then(&power);
+            }
+            power = power.then(&power);
+            left /= 2;
+        }
+        done
     }
 
     fn linear(matrix: Mat3) -> Self {

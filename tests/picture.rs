@@ -150,6 +150,8 @@ fn values_that_cannot_be_stored_are_named() {
 }
 
 proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
     #[test]
     fn pictures_survive_a_round_trip(width in 1usize..70, seed: u64, alphabet in 1u8..60) {
         // A small alphabet makes runs of all lengths.

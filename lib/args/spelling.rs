@@ -6,6 +6,7 @@
 //! they are, whatever they begin with.
 
 use crate::error::{Error, Result};
+use crate::view;
 use clap::builder::ValueRange;
 use clap::{Arg, ArgAction, Command};
 use std::any::TypeId;
@@ -14,10 +15,6 @@ use std::ffi::OsString;
 
 /// The long option that receives the words of all view options.
 pub const VIEW_WORDS: &str = "view-words";
-
-/// RADIANCE's view options and their number of values (`-vtX` has its value attached).
-pub const VIEW: [(&str, usize); 11] =
-    [("vf", 1), ("vp", 3), ("vd", 3), ("vu", 3), ("vh", 1), ("vv", 1), ("vo", 1), ("va", 1), ("vs", 1), ("vl", 1), ("vt", 0)];
 
 /// Options whose value is attached to the letter: the letter, the long option it stands for, the letters the value may have.
 /// With a blank (`-o FILE`, `-f FILE`) the same letter is another option.
@@ -50,6 +47,11 @@ pub fn is_switch(argument: &Arg) -> bool {
     argument.get_long().is_some_and(is_radiance)
         && matches!(argument.get_action(), ArgAction::Set)
         && argument.get_value_parser().type_id() == TypeId::of::<bool>()
+}
+
+/// Whether a word is a negative number: no option is one.
+fn is_number(word: &str) -> bool {
+    word[1..].starts_with(|c: char| c == '.' || c.is_ascii_digit())
 }
 
 /// Rewrites `words` (the program's name first) for `command`. `read` gives the text of an `@FILE`.
@@ -96,7 +98,7 @@ impl Rewriter<'_> {
             } else if text == "--" {
                 self.out.push(word);
                 self.out.extend(self.words.drain(..).inspect(|word| self.trail.push(word.clone())));
-            } else if text.len() > 1 && text.starts_with('-') {
+            } else if text.len() > 1 && text.starts_with('-') && !is_number(text) {
                 self.option(text)?;
             } else {
                 self.trail.push(word.clone());
@@ -117,10 +119,10 @@ impl Rewriter<'_> {
 
         // View options keep their order among themselves, and a file among them its place.
         if self.find(|a| a.get_long() == Some(VIEW_WORDS)).is_some()
-            && let Some(&(key, count)) = VIEW.iter().find(|(key, _)| if *key == "vt" { name.starts_with("vt") } else { name == *key })
+            && let Some(count) = view::option_values(name)
         {
             if self.words.len() < count {
-                return Err(Error::new(format!("-{key} takes {count} value{}", if count == 1 { "" } else { "s" })));
+                return Err(Error::new(format!("-{name} takes {count} value{}", if count == 1 { "" } else { "s" })));
             }
             let values: Vec<_> = self.words.drain(..count).collect();
             for part in std::iter::once(OsString::from(format!("-{name}"))).chain(values) {
@@ -359,7 +361,19 @@ mod tests {
         assert!(
             text("tool --man").contains(r"\-ab") && !text("tool --man").contains(r"\-\-ab") && text("tool --man").contains(r"\-\-error")
         );
+        assert!(text("tool --help").contains("-vp X Y Z") && !text("tool --help").contains("view-words"));
         assert!(text("tool --completions bash").contains("--error"));
         assert_eq!(text("tool --version"), concat!("tool ", env!("CARGO_PKG_VERSION"), "\n"));
+    }
+
+    proptest::proptest! {
+        #![proptest_config(proptest::prelude::ProptestConfig { failure_persistence: None, ..Default::default() })]
+
+        #[test]
+        fn no_words_panic(line in "(-{1,2}(ab|av|u|v[ptf]|f|o|n|seed|man|help|completions|)[-+=01a-z]{0,3}|@|[0-9.]{1,3}|é| ){0,9}") {
+            if let Err(error) = typed(&format!("tool {line}")) {
+                proptest::prop_assert!(!error.message.is_empty() && !error.message.contains('\n'), "{}", error.message);
+            }
+        }
     }
 }

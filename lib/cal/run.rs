@@ -324,17 +324,28 @@ impl Program {
     /// As [`Program::eval_all`]; also when the number of parameters is not the one it was compiled for.
     #[inline]
     pub fn call<const N: usize>(&self, context: &Context, parameters: &[f64]) -> Result<[f64; N], Failed> {
+        let mut values = [0.0; N];
+        self.eval_into(context, parameters, &mut values)?;
+        Ok(values)
+    }
+
+    /// As [`Program::call`], for as many expressions as there is room in `values`.
+    ///
+    /// # Errors
+    /// As [`Program::call`].
+    #[inline]
+    pub fn eval_into(&self, context: &Context, parameters: &[f64], values: &mut [f64]) -> Result<(), Failed> {
         if parameters.len() != self.parameters {
             return Err(Failed);
         }
-        let (mut values, mut count) = ([0.0; N], 0);
+        let mut count = 0;
         self.results(context, parameters, |value| {
-            if count < N {
-                values[count] = value;
+            if let Some(place) = values.get_mut(count) {
+                *place = value;
             }
             count += 1;
         });
-        if count >= N && values.iter().all(|v| v.is_finite()) { Ok(values) } else { Err(Failed) }
+        if count >= values.len() && values.iter().all(|v| v.is_finite()) { Ok(()) } else { Err(Failed) }
     }
 
     /// The value, if it is the same for every ray (of the first expression).

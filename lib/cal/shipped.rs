@@ -10,7 +10,9 @@ macro_rules! files {
 }
 
 pub(super) const SHIPPED: &[(&str, &str)] = files![
+    "angular.cal",
     "curves.cal",
+    "latlong.cal",
     "rayinit.cal",
     "skybright.cal",
     "perezlum.cal",
@@ -29,8 +31,11 @@ pub(super) const SHIPPED: &[(&str, &str)] = files![
 #[cfg(test)]
 mod tests {
     use crate::cal::{FileId, Library, Ray};
+    use crate::error::Error;
     use crate::resolve::Files;
     use crate::vector::Vec3;
+    use crate::view::View;
+    use std::f64::consts::PI;
 
     /// Checks values in a file for a direction of travel, the point 1 2 3 and a normal against it.
     fn check(file: &str, arguments: &[f64], direction: [f64; 3], expected: &[(&str, f64)]) {
@@ -46,7 +51,7 @@ mod tests {
         }
     }
 
-    // All numbers: a brightfunc of the expression with RADIANCE's own file and these arguments, on a glow source of 360°,
+    // All numbers of RADIANCE's own files: a brightfunc of the expression with RADIANCE's own file and these arguments, on a glow source of 360°,
     // `echo 1 2 3 DIRECTION | rtrace -h -faa` (Radiance 6.0a).
 
     const UP: [f64; 3] = [0.6, 0.0, 0.8];
@@ -127,5 +132,31 @@ mod tests {
         check("glaze1.cal", &arguments, ASIDE, &[("sr_frit_r", 0.0532), ("sr_clear_b", 0.6)]);
         let terms = [("fr(.3)", 0.3), ("ft(.3)", 0.3), ("rclr", 0.076), ("tclr", 0.883), ("cr(.1,.2,.3)", 0.112)];
         check("glaze2.cal", &[], ASIDE, &terms);
+    }
+
+    #[test]
+    fn an_angular_map_is_what_the_angular_view_sees() {
+        let mut view = View::default();
+        let words = "-vta -vd 0 1 0 -vu 0 0 1 -vh 360 -vv 360".split(' ').map(String::from).collect::<Vec<_>>();
+        view.apply(&words, &|name| Err(Error::new(name))).unwrap();
+        let camera = view.ready().unwrap();
+        let grid = (0..100).map(|i| [f64::from(i % 10) * 0.097 + 0.031, f64::from(i / 10) * 0.097 + 0.031]);
+        let seen: Vec<_> = grid.filter_map(|[x, y]| Some((x, y, camera.ray(x, y)?.1))).collect();
+        assert!(seen.len() > 70);
+        for (x, y, direction) in seen {
+            check("angular.cal", &[], direction.to_array(), &[("ang_u", x), ("ang_v", y)]);
+        }
+        check("angular.cal", &[], [0.0, 1.0, 0.0], &[("ang_u", 0.5), ("ang_v", 0.5)]);
+        check("angular.cal", &[], [0.0, -1.0, 0.0], &[("ang_u", 1.0), ("ang_v", 0.5)]);
+    }
+
+    #[test]
+    fn latitude_and_longitude() {
+        // u = 1 + atan2(y, x)/π, v = 1 − acos(z)/π.
+        let (u, v) = (1.0 + 0.48f64.atan2(0.36) / PI, 1.0 - (-0.8f64).acos() / PI);
+        for (direction, u, v) in [([1.0, 0.0, 0.0], 1.0, 0.5), ([0.0, -1.0, 0.0], 0.5, 0.5), ([-1.0, 0.0, 0.0], 2.0, 0.5), (DOWN, u, v)] {
+            check("latlong.cal", &[], direction, &[("ll_u", u), ("ll_v", v)]);
+        }
+        check("latlong.cal", &[], [0.0, 0.0, 1.0], &[("ll_v", 1.0)]);
     }
 }

@@ -1,13 +1,12 @@
 //! Files and pipes: inputs read whole, outputs complete or absent.
 
-use super::{Outcome, Stop};
+use super::{Outcome, Stop, signal};
 use crate::error::{Error, Result};
 use std::ffi::OsStr;
 use std::fs::File;
 use std::io::{self, BufWriter, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{LazyLock, Mutex, MutexGuard, PoisonError};
 use tempfile::NamedTempFile;
 
 /// The largest input that is read, in bytes.
@@ -96,8 +95,15 @@ impl Output {
         #[cfg(unix)]
         builder.permissions(permissions);
         let file = builder.tempfile_in(directory).map_err(failed)?;
-        unfinished().push(file.path().to_path_buf());
+        signal::begun(file.path());
         Ok(Self { name, to: To::File(BufWriter::with_capacity(1 << 16, file), path) })
+    }
+
+    /// Writes these bytes and no others to the file, or to standard output if there is none or its name is `-`.
+    pub fn whole(path: Option<&Path>, bytes: &[u8]) -> Outcome<()> {
+        let mut output = Self::create(path)?;
+        output.write(bytes)?;
+        output.finish()
     }
 
     /// Writes these bytes.
@@ -121,7 +127,7 @@ impl Output {
         file.as_file().sync_all().map_err(failed)?;
         let temporary = file.path().to_path_buf();
         file.persist(&path).map_err(|e| failed(e.error))?;
-        unfinished().retain(|path| *path != temporary);
+        signal::ended(&temporary);
         Ok(())
     }
 
@@ -140,22 +146,6 @@ impl Output {
             _ => Error::new(format!("{}: {}", self.name, plain(&e))).into(),
         })
     }
-}
-
-/// Files being written, to be removed when the program is interrupted.
-static UNFINISHED: LazyLock<Mutex<Vec<PathBuf>>> = LazyLock::new(|| {
-    // Without a handler an interrupted program leaves a hidden file behind; that is no reason not to run.
-    let _ = ctrlc::set_handler(|| {
-        for path in unfinished().iter() {
-            let _ = std::fs::remove_file(path);
-        }
-        std::process::exit(130);
-    });
-    Mutex::default()
-});
-
-fn unfinished() -> MutexGuard<'static, Vec<PathBuf>> {
-    UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 #[cfg(test)]

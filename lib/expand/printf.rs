@@ -16,6 +16,14 @@ pub fn g(x: f64, digits: usize) -> String {
     trimmed(&format!("{x:.*}", (digits as i32 - 1 - exponent).max(0) as usize)).to_string()
 }
 
+/// `%.{digits}e`.
+pub fn e(x: f64, digits: usize) -> String {
+    let text = format!("{x:.digits$e}");
+    let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
+    let exponent: i32 = exponent.parse().unwrap_or(0);
+    format!("{mantissa}e{}{:02}", if exponent < 0 { '-' } else { '+' }, exponent.abs())
+}
+
 /// The number without zeros at the end of its fraction.
 fn trimmed(number: &str) -> &str {
     if number.contains('.') { number.trim_end_matches('0').trim_end_matches('.') } else { number }
@@ -40,5 +48,7 @@ mod tests {
         ] {
             assert_eq!(g(x, digits), text);
         }
+        // printf '%.3e %.3e' 7177000 0.
+        assert_eq!((e(7177000.0, 3), e(0.0, 3)), ("7.177e+06".into(), "0.000e+00".into()));
     }
 }

@@ -159,7 +159,7 @@ fn boxes_have_the_corners_and_names_of_genbox() {
     assert_eq!(boxed("-i")[1], "m polygon b.4620 0 0 12 1 2 0 1 0 0 1 0 3 1 2 3");
     let bevelled = boxed("-b .1");
     assert_eq!((bevelled.len(), &bevelled[10][..]), (26, "m polygon b.TjiS 0 0 12 0.9 1.9 3 0.9 2 2.9 0.1 2 2.9 0.1 1.9 3"));
-    let round = boxed("-r .1 -i");
-    assert_eq!((round.len(), &round[11][..]), (26, "m cylinder b.vz 0 0 7 0.1 0.1 2.9 0.1 0.1 0.1 0.1"));
-    assert_eq!(round[24], "m sphere b.y 0 0 4 0.9 0.1 0.1 0.1");
+    let round = boxed("-r .1");
+    assert_eq!((round.len(), &round[11][..]), (26, "m cylinder b.vz 0 0 7 0.9 1.9 0.1 0.9 1.9 2.9 0.1"));
+    assert_eq!(round[24], "m sphere b.y 0 0 4 0.1 1.9 2.9 0.1");
 }

@@ -16,6 +16,10 @@ pub fn decode(bytes: Vec<u8>) -> String {
 
 /// The bytes that [`decode`] made `text` of.
 pub fn encode(text: &str) -> Vec<u8> {
+    // Private characters begin with this byte.
+    if !text.as_bytes().contains(&0xF4) {
+        return text.as_bytes().to_vec();
+    }
     let mut bytes = Vec::with_capacity(text.len());
     for c in text.chars() {
         match stray(c) {

@@ -29,8 +29,8 @@ pub struct Number(pub f64);
 
 impl Display for Number {
     fn fmt(&self, f: &mut Formatter) -> fmt::Result {
-        let text = format!("{:?}", self.0);
-        f.write_str(text.strip_suffix(".0").unwrap_or(&text))
+        // Whole numbers go without a fraction.
+        if self.0.fract() == 0.0 && self.0.abs() < 1e16 { write!(f, "{}", self.0) } else { write!(f, "{:?}", self.0) }
     }
 }
 

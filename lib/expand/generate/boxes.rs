@@ -1,10 +1,9 @@
 //! `genbox`: a box with one corner at the origin, its edges sharp, bevelled or round.
 
-use super::printf::g;
+use super::{Printer, number};
 use crate::error::{Error, Result};
-use crate::rad::{Quoted, real};
+use crate::rad::real;
 use crate::vector::Vec3;
-use std::fmt::Write;
 
 const USAGE: &str = "usage: genbox material name xsize ysize zsize [-i] [-b bevel | -r round]";
 
@@ -24,34 +23,19 @@ const EDGES: [&str; 12] = ["st", "sw", "su", "vt", "vu", "vz", "xt", "xw", "xz",
 /// The scene text that `genbox` prints for these arguments.
 pub fn genbox(arguments: &[String]) -> Result<String> {
     let [material, name, x, y, z, options @ ..] = arguments else { return Err(Error::new(USAGE)) };
-    let size = |word: &str| real(word).filter(|&x| x > 0.0).ok_or_else(|| Error::new(format!("genbox: `{word}` is not a positive size")));
+    let size = |word: &str| real(word).filter(|&x| x > 0.0).ok_or_else(|| Error::new(format!("`{word}` is not a positive size")));
     let size = Vec3::new(size(x)?, size(y)?, size(z)?);
     let (mut inward, mut bevel, mut round) = (false, 0.0, 0.0);
     let mut options = options.iter();
     while let Some(option) = options.next() {
-        let mut number = || {
-            let word = options.next().map_or("", String::as_str);
-            real(word).filter(|&x| x > 0.0).ok_or_else(|| Error::new(format!("genbox: `{option}` needs a positive number")))
-        };
         match option.as_str() {
             "-i" => inward = true,
-            "-b" => bevel = number()?,
-            "-r" => round = number()?,
-            _ => return Err(Error::new(format!("genbox: unknown option `{option}`; {USAGE}"))),
+            "-b" => bevel = number(option, options.next())?,
+            "-r" => round = number(option, options.next())?,
+            _ => return Err(Error::new(format!("unknown option `{option}`; {USAGE}"))),
         }
     }
     let inset = if round > 0.0 { round } else { bevel };
-    let mut out = String::new();
-    let mut print = |kind: &str, face: &str, corners: &[Vec3], radius: Option<f64>| {
-        let reals = corners.len() * 3 + usize::from(radius.is_some());
-        let _ = write!(out, "\n{} {kind} {}\n0\n0\n{reals}\n", Quoted(material), Quoted(&format!("{name}.{face}")));
-        for p in corners {
-            let _ = writeln!(out, "\t{} {} {}", g(p.x, 12), g(p.y, 12), g(p.z, 12));
-        }
-        if let Some(radius) = radius {
-            let _ = writeln!(out, "\t{}", g(radius, 12));
-        }
-    };
     // A corner by its name; a box seen from inside is the same box with opposite corners exchanged.
     let corner = |letter: u8| -> Vec3 {
         let (number, moved) = match letter {
@@ -66,21 +50,22 @@ pub fn genbox(arguments: &[String]) -> Result<String> {
         far * size + moved * inset * (Vec3::ONE - 2.0 * far)
     };
     let corners = |name: &str| name.bytes().map(corner).collect::<Vec<_>>();
+    let mut printer = Printer::new(material, name);
     let faces: &[&str] = match inset {
-        0.0 => &FACES,
+        _ if inset <= 0.0 => &FACES,
         _ if round > 0.0 => &BEVELLED[..6],
         _ => &BEVELLED,
     };
     for face in faces {
-        print("polygon", face, &corners(face), None);
+        printer.surface("polygon", face, &corners(face), &[]);
     }
     if round > 0.0 {
         for edge in EDGES {
-            print("cylinder", edge, &corners(edge), Some(round));
+            printer.surface("cylinder", edge, &corners(edge), &[round]);
         }
         for letter in ["s", "t", "u", "v", "w", "x", "y", "z"] {
-            print("sphere", letter, &corners(letter), Some(round));
+            printer.surface("sphere", letter, &corners(letter), &[round]);
         }
     }
-    Ok(out)
+    Ok(printer.text)
 }

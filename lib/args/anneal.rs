@@ -1,0 +1,240 @@
+//! The options of anneal.
+
+use super::Common;
+use crate::anneal::Options;
+use crate::error::{Error, Result};
+use crate::unknown::{Bounds, Wishes, names};
+use std::path::PathBuf;
+
+/// What material is it? Finds the numbers of a material with which a rendering comes nearest to a picture.
+///
+/// START.rad holds the material with the values to start from. The same file with the numbers that were found, and nothing
+/// else changed, goes to standard output, preceded by comment lines with chi-squared and each value's standard error.
+///
+/// Exit status: 0 done, 1 the search ended before it reached --tolerance, or propose had nothing more to propose, 2 trouble.
+#[derive(clap::Parser, Clone, Debug)]
+#[command(
+    name = "anneal",
+    version,
+    max_term_width = 100,
+    override_usage = "anneal [OPTIONS] --exec COMMAND START.rad\n       anneal [OPTIONS] propose STATE [START.rad] > next.rad\n       \
+                      anneal tell STATE [CHI2]\n       anneal best STATE"
+)]
+pub struct Arguments {
+    /// The file with the unknown material (- is standard input); or a step of a search that is driven from outside:
+    /// `propose STATE` prints the next candidate (the first time give START.rad and options too), `tell STATE CHI2` takes its
+    /// chi-squared (without CHI2 the last number on standard input), `best STATE` prints the best so far
+    #[arg(value_name = "START.rad", required = true, num_args = 1..=3, allow_negative_numbers = true)]
+    pub words: Vec<String>,
+
+    /// How candidates are judged.
+    #[command(flatten)]
+    pub judge: Judge,
+
+    /// What is unknown.
+    #[command(flatten)]
+    pub unknown: UnknownOptions,
+
+    /// How long and how to search.
+    #[command(flatten)]
+    pub search: SearchOptions,
+
+    /// What all programs share.
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// Who says how good a candidate is.
+#[derive(clap::Args, Clone, Debug)]
+#[command(next_help_heading = "Judge")]
+pub struct Judge {
+    /// Run COMMAND in the shell for each candidate: the file is $MATERIAL (and {}), $STAGE is 1 and more, chi-squared is the last
+    /// number printed. 'oconv $MATERIAL scene.rad > t.oct && rpict -vf cam.vf t.oct | imgdiff photo.hdr -' uses RADIANCE
+    #[arg(long, value_name = "COMMAND")]
+    pub exec: Option<String>,
+}
+
+/// Which numbers are unknown, and what is known of them.
+#[derive(clap::Args, Clone, Debug)]
+#[command(next_help_heading = "Unknown")]
+pub struct UnknownOptions {
+    /// The identifier of the unknown material, if the file has several
+    #[arg(long, value_name = "ID")]
+    pub material: Option<String>,
+
+    /// Start and bounds of a parameter: red green blue spec rough urough vrough trans tspec ior hartmann, or a1 … for the real
+    /// arguments in order. May be repeated; START may be left out
+    #[arg(long, value_name = "NAME=START:LOW:HIGH")]
+    pub param: Vec<Bounds>,
+
+    /// Keep this parameter as it is in the file
+    #[arg(long, value_name = "NAME", value_delimiter = ',')]
+    pub fix: Vec<String>,
+
+    /// Let these parameters have one value: red=green=blue
+    #[arg(long, value_name = "NAME=NAME")]
+    pub tie: Vec<String>,
+
+    /// The groups of parameters that move in turn [default: rgb/ and the others]
+    #[arg(long, value_name = "rgb/spec,rough")]
+    pub groups: Option<String>,
+}
+
+/// How long and how to search.
+#[derive(clap::Args, Clone, Debug)]
+#[command(next_help_heading = "Search")]
+pub struct SearchOptions {
+    /// Evaluations in all [default: 400, or as many as --time allows]
+    #[arg(long, value_name = "N")]
+    pub steps: Option<usize>,
+
+    /// Search for about S seconds
+    #[arg(long, value_name = "S")]
+    pub time: Option<f64>,
+
+    /// Stop when every standard error is below T
+    #[arg(long, value_name = "T")]
+    pub tolerance: Option<f64>,
+
+    /// Search in N stages, coarse first: the command may render small pictures while $STAGE is 1
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub stages: u8,
+
+    /// How many independent squares chi-squared is the sum of, as 3 for each pixel that matters: standard errors then hold the noise of
+    /// the photograph too
+    #[arg(long, value_name = "N")]
+    pub residuals: Option<f64>,
+
+    /// Only anneal: no local quadratics at the end, and no standard errors
+    #[arg(long)]
+    pub no_polish: bool,
+
+    /// Keep the search in FILE, and take it up from there if FILE exists: killed at any moment, it goes on to the same result
+    #[arg(long, value_name = "FILE")]
+    pub state: Option<PathBuf>,
+
+    /// Write each evaluation to FILE, one JSON object a line
+    #[arg(long, value_name = "FILE.jsonl")]
+    pub log: Option<PathBuf>,
+}
+
+/// What is to be done.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Job {
+    /// Search for the unknown of this file.
+    Search(String),
+    /// Print the next candidate; begin with this file if there is no state.
+    Propose(PathBuf, Option<String>),
+    /// Take a chi-squared, from standard input if it is not given.
+    Tell(PathBuf, Option<f64>),
+    /// Print the best so far.
+    Best(PathBuf),
+}
+
+/// Evaluations when nothing was said of their number.
+pub const STEPS: usize = 400;
+
+impl AsRef<Common> for Arguments {
+    fn as_ref(&self) -> &Common {
+        &self.common
+    }
+}
+
+impl Arguments {
+    /// What is to be done.
+    pub fn job(&self) -> Result<Job> {
+        let words: Vec<&str> = self.words.iter().map(String::as_str).collect();
+        match words[..] {
+            ["propose", state] => Ok(Job::Propose(state.into(), None)),
+            ["propose", state, start] => Ok(Job::Propose(state.into(), Some(start.into()))),
+            ["tell", state] => Ok(Job::Tell(state.into(), None)),
+            ["tell", state, chi2] => {
+                let chi2 = chi2.parse().map_err(|_| Error::new(format!("tell: chi-squared `{chi2}` is not a number")))?;
+                Ok(Job::Tell(state.into(), Some(chi2)))
+            }
+            ["best", state] => Ok(Job::Best(state.into())),
+            ["propose" | "tell" | "best", ..] => Err(Error::new(format!("{} takes the file that keeps the search; see --help", words[0]))),
+            [start] => Ok(Job::Search(start.into())),
+            _ => Err(Error::new("one START.rad only: put the unknown material into one file")),
+        }
+    }
+
+    /// What is unknown.
+    pub fn wishes(&self) -> Wishes {
+        let unknown = &self.unknown;
+        Wishes {
+            material: unknown.material.clone(),
+            bounds: unknown.param.clone(),
+            fixed: unknown.fix.clone(),
+            tied: unknown.tie.iter().map(|tie| names(tie, '=')).collect(),
+            groups: unknown.groups.iter().flat_map(|groups| names(groups, '/')).map(|group| names(&group, ',')).collect(),
+        }
+    }
+
+    /// How to search.
+    pub fn options(&self) -> Result<Options> {
+        let search = &self.search;
+        for (name, value) in [("--time", search.time), ("--tolerance", search.tolerance), ("--residuals", search.residuals)] {
+            if value.is_some_and(|value| !(value > 0.0 && value.is_finite())) {
+                return Err(Error::new(format!("{name} takes a number greater than 0")));
+            }
+        }
+        if search.steps == Some(0) || search.stages == 0 {
+            return Err(Error::new("--steps and --stages take a whole number greater than 0"));
+        }
+        if search.no_polish && search.tolerance.is_some() {
+            return Err(Error::new("--tolerance needs the standard errors that --no-polish leaves out; give one of them"));
+        }
+        Ok(Options {
+            seed: self.common.seed,
+            steps: search.steps.unwrap_or(STEPS),
+            groups: vec![],
+            stages: vec![1.0; usize::from(search.stages)],
+            polish: !search.no_polish,
+            tolerance: search.tolerance,
+            residuals: search.residuals,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::args::{Typed, parse};
+
+    fn typed(line: &str) -> Result<Arguments> {
+        let none = |name: &str| Err(Error::new(format!("{name}: no such file")));
+        match parse::<Arguments>(line.split(' ').map(Into::into).collect(), &none)? {
+            Typed::Run(arguments, _) => Ok(arguments),
+            Typed::Print(text) => panic!("{}", String::from_utf8_lossy(&text)),
+        }
+    }
+
+    #[test]
+    fn a_step_is_told_from_a_file() {
+        let job = |line: &str| typed(line).unwrap().job();
+        assert_eq!(job("anneal start.rad").unwrap(), Job::Search("start.rad".into()));
+        assert_eq!(job("anneal propose s start.rad --fix rough").unwrap(), Job::Propose("s".into(), Some("start.rad".into())));
+        assert_eq!(job("anneal tell s -0.25").unwrap(), Job::Tell("s".into(), Some(-0.25)));
+        assert_eq!(job("anneal tell s").unwrap(), Job::Tell("s".into(), None));
+        assert_eq!(job("anneal best s").unwrap(), Job::Best("s".into()));
+        assert!(job("anneal tell s x").unwrap_err().message.contains("`x` is not a number"));
+        assert!(job("anneal a.rad b.rad").unwrap_err().message.contains("one START.rad only"));
+        assert!(job("anneal propose").unwrap_err().message.contains("propose takes the file"));
+    }
+
+    #[test]
+    fn wishes_and_options_are_as_typed() {
+        let line =
+            "anneal s.rad --param rough=.1:0:.3 --param a4=:0:1 --fix red,green --tie red=green=blue --groups rgb/spec,rough --steps 9";
+        let arguments = typed(line).unwrap();
+        let wishes = arguments.wishes();
+        assert_eq!((wishes.bounds[0].start, wishes.bounds[1].start), (Some(0.1), None));
+        assert_eq!(wishes.fixed, ["red", "green"]);
+        assert_eq!(wishes.tied, [["red", "green", "blue"]]);
+        assert_eq!(wishes.groups, [vec!["rgb"], vec!["spec", "rough"]]);
+        assert_eq!(arguments.options().unwrap().steps, 9);
+        assert!(typed("anneal s.rad --param rough=1").unwrap_err().message.contains("write NAME=START:LOW:HIGH"));
+        assert!(typed("anneal s.rad --no-polish --tolerance .1").unwrap().options().unwrap_err().message.contains("give one of them"));
+    }
+}

@@ -1,0 +1,373 @@
+//! What a material does at a point: how much it scatters from one direction to another, and where to look for that.
+//!
+//! All directions point away from the surface. Local directions have z along the shading normal on the viewer's side, so that
+//! `wi.z > 0` is reflection and `wi.z < 0` transmission. Values include the cosine: they are f·|cos θ|, per unit solid angle.
+
+pub mod lobe;
+pub mod smooth;
+
+use crate::color::Rgb;
+use crate::material::{AIR, Inside, Material, PURE, Reflectance};
+use crate::rules::Rules;
+use crate::sampling::{Sampler, cosine_hemisphere};
+use crate::vector::{Frame, Vec3};
+use lobe::{fresnel, reflection, reflection_pdf, sample_reflection, sample_transmission, transmission, transmission_pdf};
+use std::f64::consts::PI;
+
+/// Specularity from which a polished surface has a Fresnel term.
+const FRESNEL_FROM: f64 = 0.017999;
+
+/// What light arrives along a direction. RADIANCE scatters them by different formulas.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Arriving {
+    /// Straight from a light source that the sample represents with a solid angle (0: an integrated source), in sr.
+    Lamp(f64),
+    /// Anything else: glow, environment, other surfaces.
+    Indirect,
+}
+
+/// The parts that scattering is made of. Each is gathered, sampled and weighted on its own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// Diffuse, on the viewer's side.
+    DiffuseReflection,
+    /// Diffuse, on the other side.
+    DiffuseTransmission,
+    /// The rough lobe around the mirror direction.
+    SpecularReflection,
+    /// The rough lobe around the straight-through direction.
+    SpecularTransmission,
+}
+
+impl Part {
+    /// All parts; a part's number is its place here.
+    pub const ALL: [Self; 4] = [Self::DiffuseReflection, Self::DiffuseTransmission, Self::SpecularReflection, Self::SpecularTransmission];
+
+    /// Whether it is diffuse: a diffuse bounce counts toward `-ab`.
+    pub fn diffuse(self) -> bool {
+        matches!(self, Self::DiffuseReflection | Self::DiffuseTransmission)
+    }
+
+    /// Weights of which this part has `weight`, and the others nothing.
+    pub fn alone(self, weight: f64) -> [f64; 4] {
+        let mut weights = [0.0; 4];
+        weights[self as usize] = weight;
+        weights
+    }
+
+    /// 0 for reflection, 1 for transmission.
+    pub fn side(self) -> usize {
+        self as usize % 2
+    }
+}
+
+/// Where a ray met a surface, as a material needs to know it.
+#[derive(Clone, Copy, Debug)]
+pub struct Point {
+    /// Unit vector to the viewer.
+    pub to_viewer: Vec3,
+    /// Geometric normal, unit, on the viewer's side.
+    pub geometric: Vec3,
+    /// Shading normal, unit, on the viewer's side: bent by textures and smoothing.
+    pub shading: Vec3,
+    /// What bent it, on the viewer's side: the perturbation, zero where there is none.
+    pub perturbation: Vec3,
+    /// Whether the viewer is on the front, where the surface's own normal points.
+    pub front: bool,
+    /// Whether RADIANCE widens highlights by the size of the source: an untextured polygon or ring.
+    pub flat: bool,
+    /// World direction of the first tangent of an anisotropic lobe; any length, zero where it does not matter.
+    pub orientation: Vec3,
+}
+
+/// A rough lobe: its colour and the squares of its two roughnesses.
+#[derive(Clone, Copy, Debug)]
+pub struct Lobe {
+    /// Fraction of the light in it, per channel.
+    pub color: Rgb,
+    /// Squared roughness along the first and second tangent.
+    pub alpha: [f64; 2],
+    /// Whether it takes part in gathering indirect light (if not, its colour has joined the diffuse part).
+    pub gathers: bool,
+}
+
+/// A direction that is scattered into alone: mirror reflection, refraction, straight transfer.
+#[derive(Clone, Copy, Debug)]
+pub struct Delta {
+    /// Unit direction, world.
+    pub direction: Vec3,
+    /// What its radiance is multiplied with.
+    pub coefficient: Rgb,
+    /// Whether it stays on the viewer's side: a reflection counts toward `-lr`, and shadow rays do not follow it.
+    pub reflected: bool,
+    /// The medium it goes on in; `None` if that does not change.
+    pub medium: Option<Inside>,
+}
+
+/// Scattering at a point, for one direction to the viewer.
+#[derive(Clone, Debug)]
+pub struct Bsdf {
+    frame: Frame,
+    to_viewer: Vec3,
+    geometric: Vec3,
+    straight: Vec3,
+    flat: bool,
+    /// Albedo for lamps: reflected, transmitted.
+    pub diffuse: [Rgb; 2],
+    /// Albedo for indirect light: the same, and what `-st` adds.
+    pub ambient: [Rgb; 2],
+    /// Rough lobes: reflected, transmitted.
+    pub lobes: [Option<Lobe>; 2],
+    /// Directions scattered into alone.
+    pub deltas: [Option<Delta>; 2],
+    fresnel: bool,
+}
+
+impl Bsdf {
+    /// What `material` does at `point` with the pattern `pattern`.
+    pub fn new(material: &Material, point: &Point, pattern: Rgb, rules: &Rules) -> Self {
+        match material {
+            Material::Reflectance(m) => Self::reflectance(point, &Reflectance { color: m.color * pattern, ..*m }, rules),
+            Material::Dielectric(inside) => Self::interface(point, inside, &AIR, pattern, rules),
+            Material::Interface(inside, outside) => Self::interface(point, inside, outside, pattern, rules),
+            Material::Glass(glass) => Self::glass(point, glass, pattern),
+            Material::Mirror(color) => {
+                let mut bsdf = Self::black(point);
+                if point.front {
+                    bsdf.deltas[0] = Some(Delta { direction: bsdf.mirror(), coefficient: *color * pattern, reflected: true, medium: None });
+                }
+                bsdf
+            }
+            Material::Light(_) | Material::Illum(_) | Material::Glow(..) | Material::Spotlight(..) => Self::black(point),
+        }
+    }
+
+    /// Nothing is scattered: where lights and voids are.
+    pub fn black(point: &Point) -> Self {
+        let frame = Frame::around(point.shading);
+        Self {
+            frame,
+            to_viewer: frame.to_local(point.to_viewer),
+            geometric: frame.to_local(point.geometric),
+            straight: frame.to_local(-point.to_viewer),
+            flat: point.flat,
+            diffuse: [Rgb::ZERO; 2],
+            ambient: [Rgb::ZERO; 2],
+            lobes: [None; 2],
+            deltas: [None; 2],
+            fresnel: false,
+        }
+    }
+
+    /// Plastic, metal, trans, plastic2, metal2 and trans2 (semantics 3.3, 3.4).
+    pub fn reflectance(point: &Point, m: &Reflectance, rules: &Rules) -> Self {
+        let mut bsdf = Self::black(point);
+        let cos = bsdf.to_viewer.z.max(0.001);
+        let pure = m.isotropic && m.roughness[0].abs() <= PURE;
+        bsdf.fresnel = pure && m.specularity >= FRESNEL_FROM;
+        let f = if bsdf.fresnel { fresnel(cos, rules.fresnel_offset) } else { 0.0 };
+        let specular = m.specularity + f * (1.0 - m.specularity);
+        let transmitted = m.transmission * (1.0 - specular);
+        let straight = transmitted * m.transmitted_specular;
+        let specular_color = match m.metal {
+            true if f > 1e-6 => Rgb::splat(f) + m.color * m.specularity * (1.0 - f),
+            true => m.color * specular,
+            false => Rgb::splat(specular),
+        };
+        bsdf.diffuse = [m.color * (1.0 - transmitted - specular), m.color * (transmitted - straight)];
+        bsdf.ambient = bsdf.diffuse;
+        // A tilted shading normal must not lose light: the cosine lobe cut by the geometric horizon keeps (1 + cos)/2 of itself.
+        let kept = 0.5 * (1.0 + point.shading.dot(point.geometric));
+        bsdf.ambient = bsdf.ambient.map(|c| c / kept.max(0.5));
+        let straight_on = if point.perturbation == Vec3::ZERO { -point.to_viewer } else { bend(point) };
+        bsdf.straight = bsdf.frame.to_local(straight_on);
+        if pure {
+            if straight > 1e-6 {
+                bsdf.deltas[1] = Some(Delta { direction: straight_on, coefficient: m.color * straight, reflected: false, medium: None });
+            }
+            if specular > 1e-6 {
+                bsdf.deltas[0] = Some(Delta { direction: bsdf.mirror(), coefficient: specular_color, reflected: true, medium: None });
+            }
+            return bsdf;
+        }
+        let alpha = bsdf.orient(point, m);
+        let lobe = |weight: f64, color: Rgb| {
+            (weight > 1e-6).then_some(Lobe {
+                color,
+                alpha,
+                gathers: rules.specular_threshold < weight - 1e-6 || rules.specular_threshold == 0.0,
+            })
+        };
+        bsdf.lobes = [lobe(m.specularity, specular_color), lobe(straight, m.color * straight)];
+        for side in 0..2 {
+            if let Some(lobe) = bsdf.lobes[side].filter(|l| !l.gathers) {
+                bsdf.ambient[side] += lobe.color;
+            }
+        }
+        bsdf
+    }
+
+    /// Turns the frame to an anisotropic lobe's tangent; returns the squared roughnesses along its axes.
+    fn orient(&mut self, point: &Point, m: &Reflectance) -> [f64; 2] {
+        let [a, b] = m.roughness.map(|r| r * r);
+        if m.isotropic || a == b {
+            return [a, b];
+        }
+        let across = point.shading.cross(point.orientation);
+        if across.length_squared() <= 1e-12 * point.orientation.length_squared() || across == Vec3::ZERO {
+            let mean = (0.5 * (a + b)).max(1e-12);
+            return [mean, mean];
+        }
+        let t = across.normalize();
+        let to_world = self.frame;
+        self.frame = Frame { s: t.cross(point.shading), t, n: point.shading };
+        for v in [&mut self.to_viewer, &mut self.geometric, &mut self.straight] {
+            *v = self.frame.to_local(to_world.to_world(*v));
+        }
+        [a, b]
+    }
+
+    /// The mirror direction, world.
+    fn mirror(&self) -> Vec3 {
+        self.frame.to_world(Vec3::new(-self.to_viewer.x, -self.to_viewer.y, self.to_viewer.z))
+    }
+
+    /// The local form of a world direction.
+    pub fn to_local(&self, direction: Vec3) -> Vec3 {
+        self.frame.to_local(direction)
+    }
+
+    /// The world form of a local direction.
+    pub fn to_world(&self, direction: Vec3) -> Vec3 {
+        self.frame.to_world(direction)
+    }
+
+    /// Unit vector to the viewer, local.
+    pub fn viewer(&self) -> Vec3 {
+        self.to_viewer
+    }
+
+    /// The direction of light that goes straight through, local.
+    pub fn straight(&self) -> Vec3 {
+        self.straight
+    }
+
+    /// f·|cos θ| toward the viewer for light arriving from the local direction `wi`, in 1/sr per channel: the sum over the parts, each times its weight.
+    pub fn value(&self, wi: Vec3, arriving: Arriving, weights: &[f64; 4], rules: &Rules) -> Rgb {
+        let side = (wi.z < 0.0) as usize;
+        let (diffuse, specular) = (weights[side], weights[2 + side]);
+        let lambert = wi.z.abs() / PI;
+        let lobe = self.lobes[side].as_ref().filter(|_| specular != 0.0);
+        match arriving {
+            Arriving::Lamp(omega) => {
+                let loss = if self.fresnel { 1.0 - fresnel(wi.z.abs(), rules.fresnel_offset) } else { 1.0 };
+                let highlight = lobe.map_or(Rgb::ZERO, |lobe| lobe.color * (specular * self.highlight(lobe, side, wi, omega, rules)));
+                self.diffuse[side] * (lambert * loss * diffuse) + highlight
+            }
+            Arriving::Indirect if !self.passes(wi) => Rgb::ZERO,
+            Arriving::Indirect => {
+                let gathered = lobe.filter(|l| l.gathers).map_or(Rgb::ZERO, |lobe| {
+                    lobe.color
+                        * (specular
+                            * if side == 0 { reflection(rules.lobe, lobe.alpha, self.to_viewer, wi) } else { self.through_pdf(lobe, wi) })
+                });
+                self.ambient[side] * (lambert * diffuse) + gathered
+            }
+        }
+    }
+
+    /// The balance heuristic's weight, over the density, of each part for a direction aimed at a light with density `pdf`, where `counts` samples
+    /// of each part might have found the light too (Veach 1997, equation 9.8). Indirect light is weighed for the parts that have samples only.
+    pub fn balance(&self, wi: Vec3, arriving: Arriving, pdf: f64, counts: &[f64; 4]) -> [f64; 4] {
+        std::array::from_fn(|k| match counts[k] {
+            0.0 if arriving == Arriving::Indirect => 0.0,
+            0.0 => 1.0 / pdf,
+            count => 1.0 / (pdf + count * self.pdf(Part::ALL[k], wi)),
+        })
+    }
+
+    /// Whether a part scatters lamps by another formula than indirect light, so that finding a lamp by sampling the part would be wrong.
+    pub fn lamps_differ(&self, part: Part) -> bool {
+        match part {
+            Part::DiffuseReflection | Part::DiffuseTransmission => self.fresnel || self.lobes[part.side()].is_some_and(|l| !l.gathers),
+            Part::SpecularReflection => false,
+            Part::SpecularTransmission => true,
+        }
+    }
+
+    /// A rough lobe for a lamp that one sample of solid angle `omega` stands for, without its colour.
+    fn highlight(&self, lobe: &Lobe, side: usize, wi: Vec3, omega: f64, rules: &Rules) -> f64 {
+        let widened = if side == 1 {
+            omega / PI
+        } else if self.flat {
+            omega / (4.0 * PI) * (1.0 - rules.light_jitter.unwrap_or(1.0))
+        } else {
+            0.0
+        };
+        let alpha = lobe.alpha.map(|a| a + widened);
+        let value = if side == 0 {
+            reflection(rules.lobe, alpha, self.to_viewer, wi)
+        } else {
+            transmission(alpha, self.straight, self.to_viewer, wi)
+        };
+        // RADIANCE drops the tail of a lobe.
+        let negligible = rules.light_jitter.is_some()
+            && value <= 1e-6 * if side == 0 { wi.z } else { (wi.z.abs() / self.to_viewer.z.max(0.001)).sqrt() };
+        if negligible { 0.0 } else { value }
+    }
+
+    /// Whether a local direction is on the same side of the surface as of the shading normal.
+    pub fn passes(&self, wi: Vec3) -> bool {
+        (wi.dot(self.geometric) > 1e-6) == (wi.z > 0.0) && wi.z != 0.0
+    }
+
+    fn through_pdf(&self, lobe: &Lobe, wi: Vec3) -> f64 {
+        transmission_pdf(lobe.alpha, self.straight, wi)
+    }
+
+    /// How much indirect light each part gathers, for choosing among them: the largest channel of its albedo, 0 for a part that gathers none.
+    pub fn weights(&self) -> [f64; 4] {
+        let lobe = |side: usize| self.lobes[side].filter(|l| l.gathers).map_or(0.0, |l| l.color.max_element());
+        [self.ambient[0].max_element(), self.ambient[1].max_element(), lobe(0), lobe(1)]
+    }
+
+    /// A local direction drawn from one part; `None` if it falls where nothing is scattered.
+    pub fn sample(&self, part: Part, u: [f64; 2]) -> Option<Vec3> {
+        let wi = match part {
+            Part::DiffuseReflection => cosine_hemisphere(u),
+            Part::DiffuseTransmission => -cosine_hemisphere(u),
+            Part::SpecularReflection => sample_reflection(self.lobes[0]?.alpha, self.to_viewer, u),
+            Part::SpecularTransmission => sample_transmission(self.lobes[1]?.alpha, self.straight, u),
+        };
+        (self.passes(wi) && (wi.z < 0.0) as usize == part.side()).then_some(wi)
+    }
+
+    /// The density per solid angle with which [`Bsdf::sample`] draws `wi` from `part`, before rejection.
+    pub fn pdf(&self, part: Part, wi: Vec3) -> f64 {
+        if (wi.z < 0.0) as usize != part.side() {
+            return 0.0;
+        }
+        match part {
+            Part::DiffuseReflection | Part::DiffuseTransmission => wi.z.abs() / PI,
+            Part::SpecularReflection => self.lobes[0].map_or(0.0, |l| reflection_pdf(l.alpha, self.to_viewer, wi)),
+            Part::SpecularTransmission => self.lobes[1].map_or(0.0, |l| self.through_pdf(&l, wi)),
+        }
+    }
+
+    /// One sample of a rough lobe by RADIANCE's rule (`-ss` at most 1.5): a local direction that carries the whole colour of the lobe, as it is
+    /// accepted within ten tries (semantics 3.9). Below 1, `-ss` narrows the lobe; at 0 it is a mirror.
+    pub fn unweighted(&self, part: Part, spread: f64, sampler: &mut Sampler) -> Option<(Vec3, Rgb)> {
+        let color = self.lobes[part.side()].filter(|l| l.gathers)?.color;
+        let tries = if spread == 0.0 { 1 } else { 10 };
+        (0..tries).find_map(|_| {
+            let [u, v] = if spread == 0.0 { [0.0; 2] } else { sampler.pair() };
+            self.sample(part, [spread * u, v]).map(|wi| (wi, color))
+        })
+    }
+}
+
+/// The straight-through direction bent by a texture, unless that would not go through.
+fn bend(point: &Point) -> Vec3 {
+    let bent = (-point.to_viewer - point.perturbation).normalize();
+    if bent.dot(point.geometric) < 0.0 { bent } else { -point.to_viewer }
+}

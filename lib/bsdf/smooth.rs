@@ -1,0 +1,75 @@
+//! Smooth transparent bodies: refraction at the boundary of two media, and thin panes of glass (semantics 3.6, 3.7).
+
+use super::{Bsdf, Delta, Point, bend};
+use crate::color::Rgb;
+use crate::material::{Inside, Medium};
+use crate::rules::Rules;
+use crate::vector::Vec3;
+
+impl Bsdf {
+    /// The boundary of a body: `inside` is behind the surface, `outside` before it. The pattern colours the inside.
+    pub(super) fn interface(point: &Point, inside: &Medium, outside: &Medium, pattern: Rgb, rules: &Rules) -> Self {
+        let mut bsdf = Self::black(point);
+        let eta = if point.front { outside.index / inside.index } else { inside.index / outside.index };
+        let cos = bsdf.to_viewer.z;
+        let mirror =
+            |coefficient: f64| Delta { direction: bsdf.mirror(), coefficient: Rgb::splat(coefficient), reflected: true, medium: None };
+        let k = 1.0 - eta * eta * (1.0 - cos * cos);
+        // Also true of an index that is no number: then everything is reflected.
+        if !(k >= 1e-6) {
+            bsdf.deltas[0] = Some(mirror(1.0));
+            return bsdf;
+        }
+        let cos_beyond = k.sqrt();
+        let reflected = reflectance(cos, cos_beyond, eta);
+        let refracted = |normal: Vec3, cos: f64, cos_beyond: f64| (-point.to_viewer * eta + normal * (eta * cos - cos_beyond)).normalize();
+        let mut direction = refracted(point.shading, cos, cos_beyond);
+        if direction.dot(point.geometric) >= 0.0 {
+            let cos = point.to_viewer.dot(point.geometric);
+            direction = refracted(point.geometric, cos, (1.0 - eta * eta * (1.0 - cos * cos)).max(0.0).sqrt());
+        }
+        let beyond = if point.front { inside.extinction(pattern) } else { outside.extinction(Rgb::ONE) + rules.extinction };
+        // Radiance is concentrated by the square of the index.
+        let coefficient = Rgb::splat((1.0 - reflected) * eta * eta);
+        if reflected > 0.0 {
+            bsdf.deltas[0] = Some(mirror(reflected));
+        }
+        bsdf.deltas[1] = Some(Delta { direction, coefficient, reflected: false, medium: Some(Inside::of(beyond)) });
+        bsdf
+    }
+
+    /// A thin pane: all its internal reflections at once.
+    pub(super) fn glass(point: &Point, glass: &Medium, pattern: Rgb) -> Self {
+        let mut bsdf = Self::black(point);
+        let pane = glass.transmissivity.to_array().map(|t| pane(bsdf.to_viewer.z, glass.index, t));
+        let [reflected, transmitted] = [0, 1].map(|way| Rgb::from(pane.map(|p| p[way])));
+        let transmitted = if glass.transmissivity.max_element() <= 1e-15 { Rgb::ZERO } else { transmitted * pattern };
+        bsdf.deltas[0] = Some(Delta { direction: bsdf.mirror(), coefficient: reflected, reflected: true, medium: None });
+        if transmitted != Rgb::ZERO {
+            let bent = Point { perturbation: point.perturbation * (2.0 * (glass.index - 1.0)), ..*point };
+            let direction = if point.perturbation == Vec3::ZERO { -point.to_viewer } else { bend(&bent) };
+            bsdf.deltas[1] = Some(Delta { direction, coefficient: transmitted, reflected: false, medium: None });
+        }
+        bsdf
+    }
+}
+
+/// What a pane of index `n` and transmissivity `t` at normal incidence reflects and transmits at the cosine `cos`, all inner reflections together.
+pub fn pane(cos: f64, n: f64, t: f64) -> [f64; 2] {
+    let inside = (1.0 - (1.0 - cos * cos) / (n * n)).max(0.0).sqrt();
+    let through = t.max(1e-15).powf(1.0 / inside);
+    let mut sum = [0.0; 2];
+    for r in [((cos - n * inside) / (cos + n * inside)).powi(2), ((inside - n * cos) / (inside + n * cos)).powi(2)] {
+        let inner = 1.0 - r * r * through * through;
+        sum[0] += 0.5 * r * (1.0 + (1.0 - 2.0 * r) * through * through) / inner;
+        sum[1] += 0.5 * (1.0 - r) * (1.0 - r) * through / inner;
+    }
+    sum
+}
+
+/// Fresnel's reflectance for unpolarised light, at cosines `cos` before and `cos_beyond` behind a boundary with the ratio of indices `eta`.
+fn reflectance(cos: f64, cos_beyond: f64, eta: f64) -> f64 {
+    let parallel = (cos - eta * cos_beyond) / (cos + eta * cos_beyond);
+    let perpendicular = (cos_beyond - eta * cos) / (cos_beyond + eta * cos);
+    0.5 * (parallel * parallel + perpendicular * perpendicular)
+}

@@ -1,0 +1,259 @@
+//! What is wrong with a scene, all of it in one go: what makes `oconv` or the renderer stop, and what they only warn of.
+
+use crate::error::Error;
+use crate::expand::Flat;
+use crate::geometry::Shape;
+use crate::rad::{Class, Link, Links, Primitive, Reals, Type};
+use crate::resolve::Resolve;
+use crate::transform::Transform;
+use std::collections::{HashMap, HashSet};
+
+/// What a check found.
+#[derive(Debug, Default)]
+pub struct Problems {
+    /// What makes a scene useless.
+    pub errors: Vec<Error>,
+    /// What is doubtful, or ignored.
+    pub warnings: Vec<Error>,
+}
+
+/// Checks the primitives of a scene; `resolve` tells whether files that surfaces name exist.
+pub fn check(flat: &Flat, resolve: &dyn Resolve) -> Problems {
+    let primitives = &flat.primitives;
+    let links = Links::of(primitives);
+    let used = links.used(primitives);
+    let mut checker = Checker { primitives, links, problems: Problems::default(), later: names(primitives), files: HashMap::new() };
+    for (i, primitive) in primitives.iter().enumerate() {
+        checker.names(i);
+        let Some(kind) = primitive.type_of() else { continue };
+        if kind.class == Class::Surface {
+            checker.surface(i, resolve);
+            continue;
+        }
+        // The arguments of a modifier that nothing uses do no harm.
+        if let Err(error) = arguments(primitive, kind) {
+            if used[i] { checker.problems.errors.push(error) } else { checker.problems.warnings.push(error) }
+        }
+    }
+    checker.problems
+}
+
+struct Checker<'a> {
+    primitives: &'a [Primitive],
+    links: Links,
+    problems: Problems,
+    /// Where each name is first that of a modifier, and which names are those of surfaces.
+    later: (HashMap<&'a str, usize>, HashSet<&'a str>),
+    /// What reading a file that surfaces name came to.
+    files: HashMap<String, Option<String>>,
+}
+
+impl Checker<'_> {
+    /// Checks what a primitive is called and what it calls.
+    fn names(&mut self, i: usize) {
+        let primitive = &self.primitives[i];
+        let Primitive { name, modifier, kind, .. } = primitive;
+        let is_modifier = primitive.type_of().is_some_and(Type::is_modifier);
+        if is_modifier && matches!(name.as_str(), "void" | "inherit") {
+            self.problems.errors.push(primitive.name_error(format!("a modifier may not be called `{name}`; choose another name")));
+        }
+        if name.contains('\t') {
+            self.problems.errors.push(primitive.name_error("a name may not hold a tab; use blanks or underscores"));
+        }
+        match self.links.modifier[i] {
+            Link::Unknown => self.problems.errors.push(primitive.modifier_error(self.undefined(modifier, i))),
+            Link::Inherit if kind != "alias" => {
+                self.problems.errors.push(primitive.modifier_error("only an alias can `inherit`; name the modifier"));
+            }
+            _ => {}
+        }
+        for &(j, link) in &self.links.references[i] {
+            let target = &primitive.strings[j];
+            let problem = match link {
+                Link::Unknown => self.undefined(target, i),
+                Link::Void if kind == "alias" => "an alias cannot stand for `void`; name a modifier".into(),
+                _ => continue,
+            };
+            let error = primitive.string_error(j, problem);
+            if kind == "antimatter" { self.problems.warnings.push(error) } else { self.problems.errors.push(error) }
+        }
+    }
+
+    fn undefined(&self, name: &str, user: usize) -> String {
+        let (modifiers, surfaces) = &self.later;
+        match modifiers.get(name) {
+            Some(&i) if i >= user => {
+                let (line, _) = self.primitives[i].span.line_column();
+                let file = &self.primitives[i].span.source.name;
+                format!("undefined modifier `{name}`: it is defined only later, in {file} line {line}; move the definition up")
+            }
+            _ if surfaces.contains(name) => format!("undefined modifier `{name}`: only a surface has that name; name its modifier"),
+            _ => format!("undefined modifier `{name}`; define it before, or read the file that does first"),
+        }
+    }
+
+    fn surface(&mut self, i: usize, resolve: &dyn Resolve) {
+        let primitive = &self.primitives[i];
+        match primitive.kind.as_str() {
+            "source" => match primitive.reals[..] {
+                [x, y, z, _] if x == 0.0 && y == 0.0 && z == 0.0 => self.error(primitive.real_error(0, "the direction has no length")),
+                [.., angle] if primitive.reals.len() == 4 && angle <= 0.0 => {
+                    self.error(primitive.real_error(3, "the angle must be positive"))
+                }
+                [_, _, _, _] => {}
+                _ => self.error(primitive.error(format!("source needs 4 real arguments, not {}", primitive.reals.len()))),
+            },
+            "mesh" | "instance" => self.file(primitive, resolve),
+            _ => match Shape::read(primitive, &mut self.problems.warnings) {
+                Ok(shape) => self.material(i, shape),
+                Err(error) => self.error(error),
+            },
+        }
+    }
+
+    /// Checks that a surface has one material at most, and may be a light if that is one.
+    fn material(&mut self, i: usize, shape: Option<Shape>) {
+        let chain = self.links.chain(self.primitives, i);
+        let class = |j: &usize| self.primitives[*j].type_of().map(|t| t.class);
+        let mut materials = chain.iter().filter(|j| class(j) == Some(Class::Material)).map(|&j| &self.primitives[j]);
+        let (Some(material), second) = (materials.next(), materials.next()) else { return };
+        let primitive = &self.primitives[i];
+        if let Some(second) = second {
+            let (first, second) = (&material.name, &second.name);
+            self.error(primitive.modifier_error(format!("conflicting materials `{first}` and `{second}` in one chain; a surface has one")));
+            return;
+        }
+        let shines = match material.kind.as_str() {
+            "light" | "illum" | "spotlight" => true,
+            "glow" => material.reals.get(3).is_some_and(|&radius| radius > 0.0),
+            _ => false,
+        };
+        if let Some(Err(reason)) = shape.filter(|_| shines).map(|s| s.light()) {
+            self.error(primitive.error(format!("`{}` is a {} on a {}: {reason}", primitive.name, material.kind, primitive.kind)));
+        }
+    }
+
+    /// Checks the file that a mesh or an instance names, and where it is put.
+    fn file(&mut self, primitive: &Primitive, resolve: &dyn Resolve) {
+        let Some((name, words)) = primitive.strings.split_first() else {
+            return self.error(primitive.error(format!("{} needs the name of a file", primitive.kind)));
+        };
+        match Transform::parse(words) {
+            Ok((_, used)) if used < words.len() => {
+                let error = primitive.string_error(used + 1, format!("`{}` is no transform", words[used]));
+                self.error(error);
+            }
+            Ok(_) => {}
+            Err(error) => self.error(primitive.error(error.message)),
+        }
+        let read = self.files.entry(name.clone()).or_insert_with(|| match resolve.library(name) {
+            Ok(bytes) if !bytes.starts_with(b"#?RADIANCE") => {
+                Some(format!("{name}: not a file of RADIANCE's; make it with obj2mesh or oconv"))
+            }
+            Ok(_) => None,
+            Err(error) => Some(error.message),
+        });
+        if let Some(message) = read.clone() {
+            self.error(primitive.string_error(0, message));
+        }
+    }
+
+    fn error(&mut self, error: Error) {
+        self.problems.errors.push(error);
+    }
+}
+
+fn names(primitives: &[Primitive]) -> (HashMap<&str, usize>, HashSet<&str>) {
+    let (mut modifiers, mut surfaces) = (HashMap::new(), HashSet::new());
+    for (i, primitive) in primitives.iter().enumerate() {
+        if primitive.type_of().is_some_and(Type::is_modifier) {
+            modifiers.insert(primitive.name.as_str(), i);
+        } else {
+            surfaces.insert(primitive.name.as_str());
+        }
+    }
+    (modifiers, surfaces)
+}
+
+/// Checks how many arguments a modifier has.
+fn arguments(primitive: &Primitive, kind: &Type) -> Result<(), Error> {
+    let (strings, reals, name) = (primitive.strings.len(), primitive.reals.len(), kind.name);
+    let (least, most) = kind.strings;
+    if strings < least || strings > most {
+        let needed = if most == least { least.to_string() } else { format!("{least} or more") };
+        return Err(primitive.error(format!("{name} needs {needed} string arguments, not {strings}")));
+    }
+    let (fits, needed) = match kind.reals {
+        Reals::Of(counts) => {
+            let counts_in_words: Vec<String> = counts.iter().map(usize::to_string).collect();
+            (counts.contains(&reals), counts_in_words.join(" or "))
+        }
+        Reals::From(least) => (reals >= least, format!("{least} or more")),
+        Reals::Vertices => (reals >= 9 && reals.is_multiple_of(3), "three for each of at least three vertices".into()),
+    };
+    if fits { Ok(()) } else { Err(primitive.error(format!("{name} needs {needed} real arguments, not {reals}"))) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::error::Source;
+    use crate::expand::expand;
+    use crate::rad::Document;
+    use crate::resolve::Files;
+
+    fn problems(text: &str) -> (Vec<String>, usize) {
+        let files = Files::of([("a.rtm", &b"#?RADIANCE\n"[..]), ("b.rtm", b"solid")]);
+        let flat = expand(vec![Document::parse(Source::new("t.rad", text)).unwrap()], &files).unwrap();
+        let problems = check(&flat, &files);
+        (problems.errors.iter().map(Error::to_string).collect(), problems.warnings.len())
+    }
+
+    #[test]
+    fn what_oconv_refuses_is_an_error_with_its_place() {
+        // oconv rejects each of these; the text between the two bars is what its message or the reason is about.
+        for (text, reason) in [
+            ("void plastic void 0 0 5 1 1 1 0 0", "1:14: error: a modifier may not be called `void`"),
+            ("void plastic a 0 0 5 1 1 1 0 0 inherit sphere s 0 0 4 0 0 0 1", "1:32: error: only an alias can `inherit`"),
+            ("void alias a b", "1:14: error: undefined modifier `b`"),
+            ("void alias b void", "an alias cannot stand for `void`"),
+            ("void sphere s 0 0 3 0 0 0", "sphere needs 4"),
+            ("void polygon s 0 0 10 0 0 0 1 1 1 2 2 2 2", "polygon needs three"),
+            ("void cone s 0 0 7 0 0 0 1 1 1 2", "cone needs 8"),
+            ("void mesh s 0 0 0", "mesh needs the name of a file"),
+            ("void mesh s 1 none.rtm 0 0", "1:15: error: none.rtm: no such file"),
+            ("void mesh s 1 b.rtm 0 0", "b.rtm: not a file of RADIANCE's"),
+            ("void mesh s 2 a.rtm -t 0 0", "`-t` needs three numbers"),
+            ("void mesh s 3 a.rtm -mx x 0 0", "1:25: error: `x` is no transform"),
+            ("void sphere \"a\tb\" 0 0 4 0 0 0 1", "may not hold a tab"),
+            (
+                "\nx sphere s 0 0 4 0 0 0 1\nvoid plastic x 0 0 5 1 1 1 0 0",
+                "2:1: error: undefined modifier `x`: it is defined only later, in t.rad line 3",
+            ),
+            ("void sphere x 0 0 4 0 0 0 1 x sphere s 0 0 4 0 0 0 1", "only a surface has that name"),
+        ] {
+            let (errors, _) = problems(text);
+            assert!(errors.len() == 1 && errors[0].contains(reason), "{text}: {errors:?}");
+        }
+    }
+
+    #[test]
+    fn what_the_renderer_refuses_is_an_error_where_it_is_used() {
+        for (text, errors, warnings) in [
+            ("void texfunc t 0 0 0 t sphere s 0 0 4 0 0 0 1", 1, 0),
+            ("void texfunc t 0 0 0", 0, 1),
+            ("void light l 0 0 3 1 1 1 l cone c 0 0 8 0 0 0 0 0 1 1 2", 1, 0),
+            ("void glow l 0 0 4 1 1 1 0 l cone c 0 0 8 0 0 0 0 0 1 1 2", 0, 0),
+            ("void plastic a 0 0 5 1 1 1 0 0 a metal b 0 0 5 1 1 1 0 0 b sphere s 0 0 4 0 0 0 1", 1, 0),
+            ("void source s 0 0 4 0 0 1 0", 1, 0),
+            ("void source s 0 0 4 0 0 0 1", 1, 0),
+            ("void antimatter a 1 none 0 0 a sphere s 0 0 4 0 0 0 1", 0, 1),
+            ("void sphere s 0 0 4 0 0 0 0", 0, 1),
+            ("void polygon p 0 0 12 0 0 0 1 0 0 1 1 .1 0 1 0", 0, 1),
+            ("void sphere s 1 surplus 0 4 0 0 0 1", 0, 0),
+        ] {
+            let (found, warned) = problems(text);
+            assert_eq!((found.len(), warned), (errors, warnings), "{text}: {found:?}");
+        }
+    }
+}

@@ -1,0 +1,124 @@
+//! Any renderer: a shell command that says how good a candidate is.
+
+use super::stream::plain;
+use crate::anneal::Objective;
+use crate::error::{Error, Result};
+use crate::unknown::Unknown;
+use std::fs::File;
+use std::io::{Read, Seek, SeekFrom};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use tempfile::TempDir;
+
+/// The end of what a command prints that is kept, in bytes.
+const KEPT: u64 = 1 << 16;
+/// The lines of its complaint that are shown.
+const SHOWN: usize = 5;
+
+/// A command that is run for every candidate.
+pub struct Exec<'a> {
+    command: String,
+    unknown: &'a Unknown,
+    directory: TempDir,
+}
+
+impl<'a> Exec<'a> {
+    /// The shell command `command`, in which `{}` stands for the candidate's file, as `$MATERIAL` does.
+    pub fn new(command: &str, unknown: &'a Unknown) -> Result<Self> {
+        let directory = tempfile::Builder::new().prefix("anneal-").tempdir();
+        let directory =
+            directory.map_err(|e| Error::new(format!("no temporary directory: {}; set TMPDIR to a place for one", plain(&e))))?;
+        let file = directory.path().join("material.rad");
+        Ok(Self { command: command.replace("{}", &file.to_string_lossy()), unknown, directory })
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.directory.path().join(name)
+    }
+}
+
+impl Objective for Exec<'_> {
+    fn chi2(&mut self, values: &[f64], stage: usize) -> Result<f64> {
+        let material = self.path("material.rad");
+        let failed = |e: std::io::Error| Error::new(format!("--exec: {}", plain(&e)));
+        std::fs::write(&material, self.unknown.document(values)?.bytes()).map_err(failed)?;
+        // Files take any amount of output while nobody reads.
+        let (out, complaint) = (self.path("stdout"), self.path("stderr"));
+        let status = Command::new("sh")
+            .args(["-c", &self.command])
+            .env("MATERIAL", &material)
+            .env("STAGE", (stage + 1).to_string())
+            .stdin(Stdio::null())
+            .stdout(File::create(&out).map_err(failed)?)
+            .stderr(File::create(&complaint).map_err(failed)?)
+            .status()
+            .map_err(failed)?;
+        let complaint = shown(&tail(&complaint).map_err(failed)?);
+        if !status.success() {
+            return Err(Error::new(format!("--exec: the command ended with {status}{complaint}")));
+        }
+        let printed = tail(&out).map_err(failed)?;
+        last_number(&printed).ok_or_else(|| match printed.trim() {
+            "" => Error::new(format!("--exec: the command printed nothing; its last program must print chi-squared{complaint}")),
+            _ => Error::new(format!(
+                "--exec: the command printed no number but `{}`{complaint}",
+                printed.trim().lines().last().unwrap_or_default()
+            )),
+        })
+    }
+}
+
+/// The last word that is a number.
+pub fn last_number(text: &str) -> Option<f64> {
+    text.split(|c: char| c.is_whitespace() || matches!(c, ',' | ';' | '=' | ':' | '(' | ')')).rev().find_map(|word| word.parse().ok())
+}
+
+/// The end of what was printed to a file.
+fn tail(path: &Path) -> std::io::Result<String> {
+    let mut file = File::open(path)?;
+    let length = file.metadata()?.len();
+    file.seek(SeekFrom::Start(length.saturating_sub(KEPT)))?;
+    let mut bytes = Vec::new();
+    file.take(KEPT).read_to_end(&mut bytes)?;
+    Ok(String::from_utf8_lossy(&bytes).into_owned())
+}
+
+/// The last lines of a complaint, as the end of a message of one line.
+fn shown(complaint: &str) -> String {
+    let lines: Vec<&str> = complaint.lines().map(str::trim).filter(|line| !line.is_empty()).collect();
+    if lines.is_empty() { String::new() } else { format!("; it said: {}", lines[lines.len().saturating_sub(SHOWN)..].join(" | ")) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rad::Document;
+    use crate::unknown::Wishes;
+
+    fn run(command: &str) -> Result<f64> {
+        let document = Document::read("s.rad", b"void plastic m 0 0 5 .5 .5 .5 0 0\n".to_vec())?;
+        let unknown = Unknown::new(document, &Wishes::default())?;
+        Exec::new(command, &unknown)?.chi2(&[0.25, 0.5, 0.5, 0.0, 0.0], 1)
+    }
+
+    #[test]
+    fn the_command_finds_the_candidate_and_the_stage() {
+        assert_eq!(run("awk '{print $7}' $MATERIAL").unwrap(), 0.25);
+        assert_eq!(run("awk '{print $7}' {}").unwrap(), 0.25);
+        assert_eq!(run("echo chi2=$STAGE").unwrap(), 2.0);
+        assert_eq!(run("echo 3; echo '(chi2: -1.5e-3)'; echo done").unwrap(), -1.5e-3);
+        assert_eq!(run("cat; yes | head -c 200000; echo 7; yes | head -c 200000 >&2").unwrap(), 7.0);
+    }
+
+    #[test]
+    fn what_goes_wrong_is_said_in_one_line() {
+        let message = |command: &str| run(command).unwrap_err().message;
+        assert_eq!(
+            message("echo no scene >&2; echo at all >&2; exit 3"),
+            "--exec: the command ended with exit status: 3; it said: no scene | at all"
+        );
+        assert!(message("true").contains("printed nothing; its last program must print chi-squared"));
+        assert!(message("echo hello; echo oops >&2").contains("no number but `hello`; it said: oops"));
+        assert!(message("/no/such/program").contains("/no/such/program"));
+    }
+}

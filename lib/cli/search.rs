@@ -1,0 +1,231 @@
+//! A search with the outside: kept in a file, logged, shown, interrupted, limited in time.
+
+use super::interrupted;
+use super::stream::{Output, file, plain};
+use super::{Console, Outcome};
+use crate::anneal::{Annealer, Best, End, Objective, Options};
+use crate::error::{Error, Result};
+use crate::rad::{Document, Number, decode};
+use crate::unknown::{Unknown, Wishes};
+use serde::{Deserialize, Serialize};
+use std::fs::File;
+use std::io::{Seek, SeekFrom, Write};
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+/// A search and all that is needed to take it up again.
+pub struct Search {
+    kept: Kept,
+    unknown: Unknown,
+}
+
+/// What a state file holds.
+#[derive(Serialize, Deserialize)]
+struct Kept {
+    /// The start file's name and text.
+    name: String,
+    start: String,
+    wishes: Wishes,
+    annealer: Annealer,
+}
+
+/// What accompanies a search.
+pub struct Watch<'a> {
+    /// Where it is kept.
+    pub state: Option<&'a Path>,
+    /// Where each evaluation is written.
+    pub log: Option<&'a Path>,
+    /// How long it may take.
+    pub time: Option<Duration>,
+    /// How many evaluations it may take within that time.
+    pub steps: Option<usize>,
+    /// Who is shown how far it is.
+    pub console: &'a Console,
+}
+
+/// Time between two savings: what is lost is done again, with the same result.
+const PAUSE: Duration = Duration::from_millis(500);
+/// Evaluations that show whether the command looks at the material at all.
+const ENOUGH: usize = 12;
+
+impl Search {
+    /// A search for the unknown of a file that was read under that name.
+    pub fn new(name: &str, bytes: Vec<u8>, wishes: Wishes, mut options: Options) -> Result<Self> {
+        let start = decode(bytes.clone());
+        let unknown = Unknown::new(Document::read(name, bytes)?, &wishes)?;
+        options.groups = unknown.groups().to_vec();
+        let annealer = Annealer::new(unknown.parameters().to_vec(), options)?;
+        Ok(Self { kept: Kept { name: name.into(), start, wishes, annealer }, unknown })
+    }
+
+    /// The search that is kept in a file; `None` if there is no such file.
+    pub fn load(path: &Path) -> Result<Option<Self>> {
+        if !path.exists() {
+            return Ok(None);
+        }
+        let damaged =
+            |why: String| Error::new(format!("{}: not a search that anneal keeps ({why}); remove it to begin anew", path.display()));
+        let kept: Kept = serde_json::from_slice(&file(path)?).map_err(|e| damaged(e.to_string()))?;
+        let unknown = Unknown::new(Document::read(&kept.name, crate::rad::encode(&kept.start))?, &kept.wishes)?;
+        if !kept.annealer.is_consistent() || kept.annealer.parameters() != unknown.parameters() {
+            return Err(damaged("its parts contradict each other".into()));
+        }
+        Ok(Some(Self { kept, unknown }))
+    }
+
+    /// The search that `state` keeps if it is the same as `self`, else `self`; with the number of evaluations, if `steps` says one.
+    pub fn taken_up(self, state: &Path, steps: Option<usize>) -> Result<Self> {
+        let Some(mut found) = Self::load(state)? else { return Ok(self) };
+        let other = |what: &str| {
+            let remedy = "remove it to begin anew, or name another state";
+            Err(Error::new(format!("{}: it keeps a search with {what}; {remedy}", state.display())))
+        };
+        if found.kept.start != self.kept.start {
+            return other("another start file");
+        }
+        let (was, is) = (found.kept.annealer.options().clone(), self.kept.annealer.options());
+        if found.kept.wishes != self.kept.wishes || (Options { steps: is.steps, ..was }) != *is {
+            return other("other options");
+        }
+        if let Some(steps) = steps {
+            found.kept.annealer.set_steps(steps);
+        }
+        Ok(found)
+    }
+
+    /// Keeps the search in a file.
+    pub fn save(&self, path: &Path) -> Outcome<()> {
+        let text = serde_json::to_vec(&self.kept).map_err(|e| Error::new(format!("{}: {e}", path.display())))?;
+        Output::whole(Some(path), &text)
+    }
+
+    /// What is searched for.
+    pub fn unknown(&self) -> &Unknown {
+        &self.unknown
+    }
+
+    /// The search itself.
+    pub fn annealer(&mut self) -> &mut Annealer {
+        &mut self.kept.annealer
+    }
+
+    /// The file with the values of the proposal; `None` when the search is over.
+    pub fn proposal(&self) -> Result<Option<Vec<u8>>> {
+        self.kept.annealer.propose().map(|values| Ok(self.unknown.document(values)?.bytes())).transpose()
+    }
+
+    /// The file with the best values so far, after what is known of them; and what to warn of.
+    pub fn found(&self) -> Result<(Vec<u8>, Vec<String>)> {
+        let annealer = &self.kept.annealer;
+        let Some(Best { values, chi2, .. }) = annealer.best() else {
+            return Err(Error::new("nothing was evaluated yet: there is no best"));
+        };
+        let errors = annealer.standard_errors();
+        let title = format!("chi2 {} after {} evaluations", Number(chi2), annealer.told());
+        let bytes = self.unknown.recovered(&values, errors.as_deref(), &[title])?;
+        Ok((bytes, self.unknown.doubts(&values, errors.as_deref())))
+    }
+
+    /// Searches to the end: of the search, of the time, or until the user interrupts. Says whether it got to the end that was wished for.
+    pub fn run(&mut self, objective: &mut dyn Objective, watch: &Watch) -> Outcome<bool> {
+        let annealer = &mut self.kept.annealer;
+        let mut log = watch.log.map(|path| Log::open(path, annealer.told())).transpose()?;
+        let interrupted = interrupted();
+        let (begin, already) = (Instant::now(), annealer.told());
+        let mut saved = begin;
+        while let Some(values) = self.kept.annealer.propose().map(<[f64]>::to_vec) {
+            if interrupted() {
+                let hint =
+                    if watch.state.is_some() { "the same command goes on from here" } else { "with --state it could be taken up again" };
+                watch.console.note(&format!("interrupted after {} evaluations; {hint}", self.kept.annealer.told()));
+                break;
+            }
+            let chi2 = match objective.chi2(&values, self.kept.annealer.stage()) {
+                Ok(chi2) => chi2,
+                Err(error) => {
+                    // A command dies of the same Ctrl-C, perhaps a moment before we hear of it.
+                    std::thread::sleep(Duration::from_millis(50));
+                    if interrupted() {
+                        continue;
+                    }
+                    watch.state.map_or(Ok(()), |path| self.save(path))?;
+                    return Err(error.into());
+                }
+            };
+            let annealer = &mut self.kept.annealer;
+            if annealer.told() == 0 && !chi2.is_finite() {
+                return Err(Error::new(format!("the chi-squared of the start is {chi2}: the start must be possible")).into());
+            }
+            let line = log.is_some().then(|| line(annealer, &self.unknown, chi2));
+            annealer.tell(chi2);
+            if let (Some(log), Some(line)) = (&mut log, line) {
+                log.write(&line)?;
+            }
+            if annealer.told() == ENOUGH && annealer.is_flat() {
+                watch.console.warn("chi-squared is the same for every candidate: does the command use $MATERIAL?");
+            }
+            if let Some(time) = watch.time {
+                let (done, each) = (annealer.told() - already, begin.elapsed() / (annealer.told() - already).max(1) as u32);
+                let left = time.saturating_sub(begin.elapsed()).as_secs_f64() / each.as_secs_f64().max(1e-9);
+                annealer.set_steps((already + done).saturating_add(left as usize).min(watch.steps.unwrap_or(usize::MAX)));
+            }
+            watch.console.progress(|| progress(&self.kept.annealer));
+            if let Some(path) = watch.state.filter(|_| saved.elapsed() > PAUSE) {
+                self.save(path)?;
+                saved = Instant::now();
+            }
+        }
+        watch.state.map_or(Ok(()), |path| self.save(path))?;
+        let annealer = &self.kept.annealer;
+        Ok(match annealer.end() {
+            None => false,
+            Some(End::Tolerance) => true,
+            Some(End::Converged | End::Budget) => annealer.options().tolerance.is_none(),
+        })
+    }
+}
+
+/// The log of a search.
+struct Log {
+    file: File,
+    name: String,
+}
+
+impl Log {
+    /// Opens the log after its first `lines` lines; what follows them was not kept in the state.
+    fn open(path: &Path, lines: usize) -> Outcome<Self> {
+        let name = path.display().to_string();
+        let failed = |e: std::io::Error| Error::new(format!("{name}: {}", plain(&e)));
+        let mut log = File::options().create(true).write(true).truncate(false).open(path).map_err(failed)?;
+        // A pipe or a device has no lines to keep.
+        if path.is_file() {
+            let old = if lines > 0 { file(path)? } else { vec![] };
+            let kept: usize = old.split_inclusive(|&b| b == b'\n').take(lines).map(<[u8]>::len).sum();
+            log.set_len(kept as u64).and_then(|()| log.seek(SeekFrom::End(0))).map_err(failed)?;
+        }
+        Ok(Self { file: log, name })
+    }
+
+    fn write(&mut self, line: &str) -> Outcome<()> {
+        self.file.write_all(line.as_bytes()).map_err(|e| Error::new(format!("{}: {}", self.name, plain(&e))).into())
+    }
+}
+
+/// An evaluation as one line of JSON.
+fn line(annealer: &Annealer, unknown: &Unknown, chi2: f64) -> String {
+    let values = unknown.parameters().iter().zip(annealer.propose().unwrap_or_default());
+    let values: serde_json::Map<String, serde_json::Value> = values.map(|(p, value)| (p.name.clone(), (*value).into())).collect();
+    let line = serde_json::json!({
+        "step": annealer.told() + 1, "stage": annealer.stage() + 1, "phase": annealer.phase(), "chi2": chi2, "values": values,
+    });
+    format!("{line}\n")
+}
+
+/// How far the search is, on a line.
+fn progress(annealer: &Annealer) -> String {
+    let Some(best) = annealer.best() else { return String::new() };
+    let digits = |x: f64| Number(format!("{x:.4e}").parse().unwrap_or(x)).to_string();
+    let names = annealer.parameters().iter().zip(&best.values).map(|(p, value)| format!("{} {}", p.name, digits(*value)));
+    let phase = annealer.phase().map_or_else(String::new, |phase| format!("{phase:?}").to_lowercase());
+    format!("{}/{} {phase} chi2 {} {}", annealer.told(), annealer.options().steps, digits(best.chi2), names.collect::<Vec<_>>().join(" "))
+}

@@ -1,0 +1,235 @@
+//! What a material is: its type and numbers, in RADIANCE's order and range.
+
+use crate::color::Rgb;
+use crate::error::Result;
+use crate::rad::Primitive;
+use crate::vector::Vec3;
+
+/// A material, with its real arguments A1, A2… by name.
+#[derive(Clone, Debug)]
+pub enum Material {
+    /// plastic, metal, trans, plastic2, metal2, trans2. An anisotropic one is oriented by its expressions at each hit.
+    Reflectance(Reflectance),
+    /// dielectric: what a unit length of the inside transmits, and its index of refraction.
+    Dielectric(Medium),
+    /// interface: the media inside and outside.
+    Interface(Medium, Medium),
+    /// glass: transmissivity at normal incidence, index of refraction.
+    Glass(Medium),
+    /// mirror: reflectance.
+    Mirror(Rgb),
+    /// light: radiance.
+    Light(Rgb),
+    /// illum: radiance of the light that it is for what is aimed at it.
+    Illum(Rgb),
+    /// glow: radiance, and the radius within which it is a light source.
+    Glow(Rgb, f64),
+    /// spotlight: radiance, 1 − cos of the half angle of its cone, aim (its length is a focal distance).
+    Spotlight(Rgb, f64, Vec3),
+}
+
+/// The numbers of plastic, metal, trans and their anisotropic kin.
+#[derive(Clone, Copy, Debug)]
+pub struct Reflectance {
+    /// A1 to A3 times the pattern.
+    pub color: Rgb,
+    /// A4, the specularity.
+    pub specularity: f64,
+    /// A5, the roughness, once or along u and v.
+    pub roughness: [f64; 2],
+    /// A6, the total transmission.
+    pub transmission: f64,
+    /// A7, the specular fraction of it.
+    pub transmitted_specular: f64,
+    /// Whether the specular part is coloured: metal.
+    pub metal: bool,
+    /// Whether it may be a mirror: the isotropic types.
+    pub isotropic: bool,
+}
+
+/// A transparent medium.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Medium {
+    /// What a unit of length transmits, per channel.
+    pub transmissivity: Rgb,
+    /// Index of refraction.
+    pub index: f64,
+}
+
+/// What fills a stretch of a path.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Inside {
+    /// Extinction per unit length, per channel.
+    pub extinction: Rgb,
+    /// Whether it is the unknown that fills it: then its extinction is not known, and the length is what counts.
+    pub unknown: bool,
+}
+
+impl Reflectance {
+    /// A Lambertian surface.
+    pub fn diffuse(color: Rgb) -> Self {
+        Self { color, specularity: 0.0, roughness: [0.0; 2], transmission: 0.0, transmitted_specular: 0.0, metal: false, isotropic: true }
+    }
+}
+
+impl Inside {
+    /// A known medium.
+    pub fn of(extinction: Rgb) -> Self {
+        Self { extinction, unknown: false }
+    }
+
+    /// The part of the light that `length` of it lets through, with RADIANCE's cuts (semantics 3.6).
+    pub fn transmittance(&self, length: f64) -> Rgb {
+        if self.extinction == Rgb::ZERO {
+            return Rgb::ONE;
+        }
+        let through = |x: f64| {
+            if x <= 1e-6 {
+                1.0
+            } else if x > 92.0 {
+                0.0
+            } else {
+                (-x).exp()
+            }
+        };
+        self.extinction.to_array().map(|e| if e == 0.0 { 1.0 } else { through(e * length) }).into()
+    }
+}
+
+/// Roughness at or below this is none at all: a mirror (RADIANCE, `a² ≤ 1e-6`).
+pub const PURE: f64 = 0.001;
+
+/// What is outside a dielectric.
+pub const AIR: Medium = Medium { transmissivity: Rgb::ONE, index: 1.0 };
+
+impl Medium {
+    /// Extinction per unit length, −ln of the transmissivity times `pattern`: 100 for black, 0 for clear (semantics 3.6).
+    pub fn extinction(&self, pattern: Rgb) -> Rgb {
+        (self.transmissivity * pattern).to_array().map(|t| if t < 1e-40 { 100.0 } else { (-t.ln()).max(0.0) }).into()
+    }
+}
+
+/// Index of refraction of glass that does not give one.
+pub const GLASS_INDEX: f64 = 1.52;
+
+impl Material {
+    /// The material that `primitive` defines. `None` if its type is not a material that is rendered.
+    pub fn of(primitive: &Primitive) -> Result<Option<Self>> {
+        let a = Arguments(primitive);
+        Ok(Some(match primitive.kind.as_str() {
+            "plastic" | "metal" => {
+                a.count(&[5])?;
+                Self::Reflectance(a.reflectance(1))
+            }
+            "trans" => {
+                a.count(&[7])?;
+                Self::Reflectance(Reflectance { transmission: a.real(5), transmitted_specular: a.real(6), ..a.reflectance(1) })
+            }
+            "plastic2" | "metal2" => {
+                a.count(&[6])?;
+                Self::Reflectance(a.reflectance(2))
+            }
+            "trans2" => {
+                a.count(&[8])?;
+                Self::Reflectance(Reflectance { transmission: a.real(6), transmitted_specular: a.real(7), ..a.reflectance(2) })
+            }
+            "dielectric" => {
+                a.count(&[5])?;
+                // Hartmann's constant shifts the index even where dispersion is not modelled (semantics 3.6).
+                Self::Dielectric(Medium { transmissivity: a.rgb(0), index: a.real(3) + a.real(4) / 500.0 })
+            }
+            "interface" => {
+                a.count(&[8])?;
+                let medium = |i: usize| Medium { transmissivity: a.rgb(i), index: a.real(i + 3) };
+                Self::Interface(medium(0), medium(4))
+            }
+            "glass" => {
+                a.count(&[3, 4])?;
+                Self::Glass(Medium { transmissivity: a.rgb(0), index: if primitive.reals.len() == 4 { a.real(3) } else { GLASS_INDEX } })
+            }
+            "mirror" => {
+                a.count(&[3])?;
+                Self::Mirror(a.rgb(0))
+            }
+            "light" | "illum" => {
+                a.count(&[3])?;
+                if primitive.kind == "light" { Self::Light(a.rgb(0)) } else { Self::Illum(a.rgb(0)) }
+            }
+            "glow" => {
+                a.count(&[4])?;
+                Self::Glow(a.rgb(0), a.real(3))
+            }
+            "spotlight" => {
+                a.count(&[7])?;
+                let aim = Vec3::new(a.real(4), a.real(5), a.real(6));
+                if aim == Vec3::ZERO {
+                    return Err(primitive.real_error(4, "the aim of a spotlight must not be zero"));
+                }
+                Self::Spotlight(a.rgb(0), 1.0 - (a.real(3).to_radians() / 2.0).cos(), aim)
+            }
+            _ => return Ok(None),
+        }))
+    }
+}
+
+impl Material {
+    /// Whether light passes through it in single directions: then shadow rays do not end at it.
+    pub fn transparent(&self) -> bool {
+        match self {
+            Self::Reflectance(m) => m.transmission * m.transmitted_specular > 0.0 && m.isotropic && m.roughness[0].abs() <= PURE,
+            Self::Dielectric(_) | Self::Interface(..) | Self::Glass(_) => true,
+            // An illum that is not aimed at, and what a mirror shows light, are not in the way of light.
+            Self::Illum(_) | Self::Mirror(_) => true,
+            Self::Light(_) | Self::Glow(..) | Self::Spotlight(..) => false,
+        }
+    }
+
+    /// Whether `-bv-` makes its back invisible.
+    pub fn backless(&self) -> bool {
+        !matches!(self, Self::Dielectric(_) | Self::Interface(..))
+    }
+
+    /// The radiance that a light source emits against the direction of travel `direction`.
+    pub fn emitted(&self, direction: Vec3) -> Rgb {
+        match self {
+            Self::Light(radiance) | Self::Illum(radiance) | Self::Glow(radiance, _) => *radiance,
+            Self::Spotlight(radiance, spread, aim) if 1.0 + aim.normalize().dot(direction) <= *spread => *radiance,
+            _ => Rgb::ZERO,
+        }
+    }
+}
+
+/// The real arguments of a primitive.
+struct Arguments<'a>(&'a Primitive);
+
+impl Arguments<'_> {
+    fn count(&self, allowed: &[usize]) -> Result<()> {
+        let (p, given) = (self.0, self.0.reals.len());
+        if allowed.contains(&given) {
+            return Ok(());
+        }
+        let wanted = allowed.iter().map(usize::to_string).collect::<Vec<_>>().join(" or ");
+        Err(p.error(format!("{} `{}` has {given} real arguments; it needs {wanted}", p.kind, p.name)))
+    }
+
+    fn real(&self, i: usize) -> f64 {
+        self.0.reals[i]
+    }
+
+    fn rgb(&self, i: usize) -> Rgb {
+        Rgb::new(self.real(i), self.real(i + 1), self.real(i + 2))
+    }
+
+    /// Colour, specularity and one roughness, or two (which RADIANCE does not allow to be zero).
+    fn reflectance(&self, roughnesses: usize) -> Reflectance {
+        Reflectance {
+            color: self.rgb(0),
+            specularity: self.real(3),
+            roughness: [self.real(4), self.real(3 + roughnesses)],
+            transmission: 0.0,
+            transmitted_specular: 0.0,
+            metal: self.0.kind.starts_with("metal"),
+            isotropic: roughnesses == 1,
+        }
+    }
+}

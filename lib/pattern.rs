@@ -1,0 +1,254 @@
+//! What patterns and textures do at a hit: a factor for the colour, a nudge of the normal, the share of one material in a mixture.
+//!
+//! A [`Pattern`], [`Texture`] or [`Mixture`] is compiled from a primitive; the [`Sources`] keep what several share: function files, data
+//! files, pictures. Where an expression turns out to have no value, the pattern or texture leaves everything as it is.
+
+mod angle;
+mod compile;
+mod frame;
+mod mapping;
+mod raster;
+mod table;
+
+pub use compile::Sources;
+pub use frame::At;
+pub use mapping::{Angular, LatLong, Mapping};
+pub use raster::Raster;
+pub use table::Table;
+
+use crate::cal::{Context, Failed, Program, Ray};
+use crate::color::Rgb;
+use crate::error::Result;
+use crate::rad::Primitive;
+use crate::transform::Transform;
+use crate::vector::Vec3;
+use frame::Frame;
+use std::sync::Arc;
+use table::MAX_DIMENSIONS;
+
+/// A compiled colorpict, colorfunc, brightfunc, colordata or brightdata.
+#[derive(Debug)]
+pub struct Pattern {
+    frame: Frame,
+    kind: Kind,
+}
+
+/// A compiled texfunc or texdata.
+#[derive(Debug)]
+pub struct Texture {
+    frame: Frame,
+    kind: Kind,
+}
+
+/// The coefficient of a compiled mixfunc, mixpict or mixdata.
+#[derive(Debug)]
+pub struct Mixture {
+    frame: Frame,
+    kind: Kind,
+}
+
+/// Where three values come from.
+#[derive(Debug)]
+enum Kind {
+    Constant(Vec3),
+    /// A program of one value, for all three.
+    One(Program),
+    /// A program of three values.
+    Three(Program),
+    Picture(Arc<Raster>, Mapping, Apply),
+    /// A data file, its coordinates, what becomes of the value, for all three.
+    OneTable(Arc<Table>, Program, Apply),
+    /// A data file for each, their coordinates, what becomes of the values.
+    ThreeTables([Arc<Table>; 3], Program, Apply),
+}
+
+/// What functions make of values that were looked up.
+#[derive(Debug)]
+enum Apply {
+    /// Each stays as it is, as with `noop`.
+    Keep,
+    /// Each is at least 0, as with `red green blue`.
+    AtLeastZero,
+    /// Three functions of three values.
+    Three(Program),
+    /// One function of three values.
+    OneOfThree(Program),
+    /// One function of the first value.
+    One(Program),
+}
+
+impl Pattern {
+    /// The pattern that a primitive describes; `None` for other types.
+    ///
+    /// # Errors
+    /// A file is missing, an expression or function is wrong, arguments are missing.
+    pub fn compile(primitive: &Primitive, sources: &mut Sources) -> Result<Option<Self>> {
+        const TYPES: [&str; 5] = ["colorpict", "colorfunc", "brightfunc", "colordata", "brightdata"];
+        let compiled = compile::compile(primitive, sources, &TYPES)?;
+        Ok(compiled.map(|(frame, kind)| Self { frame, kind }))
+    }
+
+    /// The factor for red, green and blue. Negative values and values above 1 are allowed.
+    #[inline]
+    pub fn color(&self, at: &At) -> Rgb {
+        self.evaluate(at).unwrap_or(Rgb::ONE)
+    }
+
+    /// [`Pattern::color`], or that it has no value.
+    ///
+    /// # Errors
+    /// The expressions have no value for this hit.
+    #[inline]
+    pub fn evaluate(&self, at: &At) -> std::result::Result<Rgb, Failed> {
+        self.kind.values(&self.frame, at)
+    }
+
+    /// The factor, if it is the same everywhere.
+    pub fn constant(&self) -> Option<Rgb> {
+        self.kind.constant()
+    }
+
+    /// Whether it depends on nothing but the direction of travel, as the environment does.
+    pub fn depends_on_direction_only(&self) -> bool {
+        let only = |program: &Program| program.reads_only(Ray::DIRECTION..Ray::DIRECTION + 3);
+        match &self.kind {
+            Kind::Constant(_) => true,
+            Kind::One(program) | Kind::Three(program) => only(program),
+            Kind::Picture(_, Mapping::Program(program), apply) => only(program) && apply.depends_on_nothing_else(),
+            Kind::Picture(_, _, apply) => apply.depends_on_nothing_else(),
+            Kind::OneTable(_, program, apply) | Kind::ThreeTables(_, program, apply) => only(program) && apply.depends_on_nothing_else(),
+        }
+    }
+
+    /// The picture and how it is mapped, if there is one.
+    pub fn picture(&self) -> Option<(&Arc<Raster>, &Mapping)> {
+        match &self.kind {
+            Kind::Picture(raster, mapping, _) => Some((raster, mapping)),
+            _ => None,
+        }
+    }
+
+    /// From the pattern's coordinates to those of its modifier's scene.
+    pub fn transform(&self) -> &Transform {
+        self.frame.transform()
+    }
+}
+
+impl Texture {
+    /// The texture that a primitive describes; `None` for other types.
+    ///
+    /// # Errors
+    /// A file is missing, an expression or function is wrong, arguments are missing.
+    pub fn compile(primitive: &Primitive, sources: &mut Sources) -> Result<Option<Self>> {
+        let compiled = compile::compile(primitive, sources, &["texfunc", "texdata"])?;
+        Ok(compiled.map(|(frame, kind)| Self { frame, kind }))
+    }
+
+    /// The direction of the first tangent of an anisotropic material, given like a texture; `None` for other types.
+    ///
+    /// # Errors
+    /// An expression is wrong or missing.
+    pub fn orientation(primitive: &Primitive, sources: &mut Sources) -> Result<Option<Self>> {
+        let compiled = compile::compile(primitive, sources, &["plastic2", "metal2", "trans2", "ashik2"])?;
+        Ok(compiled.map(|(frame, kind)| Self { frame, kind }))
+    }
+
+    /// What is added to the unit normal, in world coordinates; zero where the expressions have no value.
+    pub fn perturbation(&self, at: &At) -> Vec3 {
+        self.evaluate(at).unwrap_or(Vec3::ZERO)
+    }
+
+    /// [`Texture::perturbation`], or that it has no value.
+    ///
+    /// # Errors
+    /// The expressions have no value for this hit.
+    pub fn evaluate(&self, at: &At) -> std::result::Result<Vec3, Failed> {
+        Ok(self.frame.to_world(at, self.kind.values(&self.frame, at)?))
+    }
+}
+
+impl Mixture {
+    /// The coefficient of the mixture that a primitive describes; `None` for other types.
+    ///
+    /// # Errors
+    /// A file is missing, an expression or function is wrong, arguments are missing.
+    pub fn compile(primitive: &Primitive, sources: &mut Sources) -> Result<Option<Self>> {
+        let compiled = compile::compile(primitive, sources, &["mixfunc", "mixpict", "mixdata"])?;
+        Ok(compiled.map(|(frame, kind)| Self { frame, kind }))
+    }
+
+    /// The share of the foreground, from 0 to 1.
+    ///
+    /// # Errors
+    /// The expressions have no value for this hit: the mixture then is no material at all.
+    pub fn coefficient(&self, at: &At) -> std::result::Result<f64, Failed> {
+        Ok(self.kind.values(&self.frame, at)?.x.clamp(0.0, 1.0))
+    }
+
+    /// The share of the foreground, if it is the same everywhere.
+    pub fn constant(&self) -> Option<f64> {
+        self.kind.constant().map(|values| values.x.clamp(0.0, 1.0))
+    }
+}
+
+impl Kind {
+    fn constant(&self) -> Option<Vec3> {
+        match self {
+            Self::Constant(values) => Some(*values),
+            _ => None,
+        }
+    }
+
+    #[inline]
+    fn values(&self, frame: &Frame, at: &At) -> std::result::Result<Vec3, Failed> {
+        match self {
+            Self::Constant(values) => Ok(*values),
+            Self::Picture(raster, mapping, apply) => {
+                let place = mapping.place(frame.direction(at), || frame.ray(at))?;
+                apply.to(raster.value(place), || frame.ray(at))
+            }
+            Self::One(program) => Ok(Vec3::splat(program.eval(&frame.ray(at).context())?)),
+            Self::Three(program) => Ok(Vec3::from_array(program.eval_all(&frame.ray(at).context())?)),
+            Self::OneTable(table, coordinates, apply) => {
+                let ray = frame.ray(at);
+                let place = place(coordinates, &ray.context(), table.dimensions())?;
+                apply.to([table.value(&place); 3], || ray)
+            }
+            Self::ThreeTables(tables, coordinates, apply) => {
+                let ray = frame.ray(at);
+                let dimensions = tables.iter().map(|table| table.dimensions()).max().unwrap_or(0);
+                let place = place(coordinates, &ray.context(), dimensions)?;
+                apply.to([0, 1, 2].map(|i| tables[i].value(&place)), || ray)
+            }
+        }
+    }
+}
+
+fn place(coordinates: &Program, context: &Context, dimensions: usize) -> std::result::Result<[f64; MAX_DIMENSIONS], Failed> {
+    let mut place = [0.0; MAX_DIMENSIONS];
+    coordinates.eval_into(context, &[], &mut place[..dimensions])?;
+    Ok(place)
+}
+
+impl Apply {
+    #[inline]
+    fn to(&self, values: [f64; 3], ray: impl FnOnce() -> Ray) -> std::result::Result<Vec3, Failed> {
+        match self {
+            Self::Keep => Ok(Vec3::from_array(values)),
+            Self::AtLeastZero => Ok(Vec3::from_array(values).max(Vec3::ZERO)),
+            Self::Three(program) => Ok(Vec3::from_array(program.call(&ray().context(), &values)?)),
+            Self::OneOfThree(program) => Ok(Vec3::splat(program.call::<1>(&ray().context(), &values)?[0])),
+            Self::One(program) => Ok(Vec3::splat(program.call::<1>(&ray().context(), &values[..1])?[0])),
+        }
+    }
+
+    fn depends_on_nothing_else(&self) -> bool {
+        match self {
+            Self::Keep | Self::AtLeastZero => true,
+            Self::Three(program) | Self::OneOfThree(program) | Self::One(program) => program.reads_only(0..3),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,94 @@
+//! The smallest χ² over the parameters of a material, once χ² is a quadratic form of what they make.
+
+use super::gram::Gram;
+use crate::anneal::linear::Symmetric;
+
+/// A quadratic form, and how parameters enter it.
+pub struct Problem<'a> {
+    /// χ² of coefficients.
+    pub gram: &'a Gram,
+    /// The coefficients of the basis' columns, channel by channel, for values of the parameters.
+    pub coefficients: &'a (dyn Fn(&[f64]) -> [Vec<f64>; 3] + Sync),
+    /// Bounds of the parameters.
+    pub bounds: &'a [(f64, f64)],
+}
+
+/// Values of the parameters, and their χ².
+#[derive(Clone, Debug, PartialEq)]
+pub struct Point {
+    /// The values.
+    pub values: Vec<f64>,
+    /// Their χ².
+    pub chi2: f64,
+}
+
+impl Problem<'_> {
+    /// χ² at the values.
+    pub fn chi2(&self, values: &[f64]) -> f64 {
+        self.gram.chi2(&(self.coefficients)(values))
+    }
+
+    /// Derivatives of the coefficients by each parameter, by central differences inside the bounds.
+    pub fn jacobian(&self, values: &[f64]) -> Vec<[Vec<f64>; 3]> {
+        (0..values.len())
+            .map(|i| {
+                let (low, high) = self.bounds[i];
+                let step = (high - low) * 1e-5;
+                let at = |v: f64| {
+                    let mut moved = values.to_vec();
+                    moved[i] = v.clamp(low, high);
+                    (moved[i], (self.coefficients)(&moved))
+                };
+                let ((a, below), (b, above)) = (at(values[i] - step), at(values[i] + step));
+                std::array::from_fn(|c| above[c].iter().zip(&below[c]).map(|(x, y)| (x - y) / (b - a).max(f64::MIN_POSITIVE)).collect())
+            })
+            .collect()
+    }
+
+    /// The minimum near `start`: Gauss and Newton's steps, damped (Levenberg 1944, Marquardt 1963) and kept inside the bounds.
+    /// `free` says which parameters move.
+    pub fn polish(&self, start: &[f64], free: &[bool]) -> Point {
+        let mut best = Point { values: start.to_vec(), chi2: self.chi2(start) };
+        let mut damping = 1e-3;
+        for _ in 0..60 {
+            let x = (self.coefficients)(&best.values);
+            let (gradient, matrix) = self.gram.normal_equations(&x, &self.jacobian(&best.values));
+            // A parameter at a bound that pushes outward stays there.
+            let moving: Vec<usize> = (0..start.len())
+                .filter(|&i| {
+                    let (low, high) = self.bounds[i];
+                    free[i] && !(best.values[i] <= low && gradient[i] > 0.0) && !(best.values[i] >= high && gradient[i] < 0.0)
+                })
+                .collect();
+            let mut improved = false;
+            for _ in 0..12 {
+                let scale = |i: usize| matrix[i][i].abs().max(1e-300);
+                let damped = Symmetric::of(moving.len(), |a, b| {
+                    let (i, j) = (moving[a], moving[b]);
+                    if i == j { matrix[i][i].max(0.0) + damping * scale(i) } else { matrix[i][j] }
+                });
+                let step = damped.inverse().map(|inverse| inverse.times(&moving.iter().map(|&i| -gradient[i]).collect::<Vec<_>>()));
+                let Some(step) = step else {
+                    damping *= 10.0;
+                    continue;
+                };
+                let mut values = best.values.clone();
+                for (&i, s) in moving.iter().zip(&step) {
+                    values[i] = (values[i] + s).clamp(self.bounds[i].0, self.bounds[i].1);
+                }
+                let chi2 = self.chi2(&values);
+                if chi2 < best.chi2 {
+                    improved = best.chi2 - chi2 > 1e-12 * best.chi2.abs();
+                    best = Point { values, chi2 };
+                    damping = (damping * 0.2).max(1e-12);
+                    break;
+                }
+                damping *= 5.0;
+            }
+            if !improved {
+                break;
+            }
+        }
+        best
+    }
+}

@@ -1,0 +1,140 @@
+//! χ² as a quadratic form: with fixed weights, the distance of every possible picture from the target costs no pixel.
+//!
+//! A picture is a combination x of the basis' columns, per channel. χ² = Σ w (T − I)² = xᵀGx − 2 rᵀx + t, with G, r and t summed once
+//! (measured: 5–24 ms, then 3 µs for each χ²).
+
+use crate::transport::Basis;
+use rayon::prelude::*;
+
+/// How the two halves of the samples enter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Form {
+    /// Their mean, squared. Never negative; rendering noise adds to it and pulls its minimum toward darkness.
+    Whole,
+    /// One half times the other: free of the bias of rendering noise, and not always positive.
+    Halves,
+}
+
+/// The quadratic form of each channel.
+pub struct Gram {
+    columns: usize,
+    /// G, row by row.
+    squares: [Vec<f64>; 3],
+    /// r.
+    products: [Vec<f64>; 3],
+    /// t, summed over the channels.
+    total: f64,
+}
+
+impl Gram {
+    /// Sums over pixels: `target` and `weights` hold three numbers for each pixel of `basis`.
+    pub fn new(basis: &Basis, target: &[[f32; 3]], weights: &[[f32; 3]], form: Form) -> Self {
+        let n = basis.columns;
+        let pixels = target.len();
+        // Fixed pieces, summed in order: the same bytes for any number of threads.
+        let pieces: Vec<Self> = (0..pixels.div_ceil(PIECE))
+            .into_par_iter()
+            .map(|piece| {
+                let mut sum = Self::zero(n);
+                for p in piece * PIECE..((piece + 1) * PIECE).min(pixels) {
+                    sum.add(basis, p, target[p], weights[p], form);
+                }
+                sum
+            })
+            .collect();
+        let mut gram = Self::zero(n);
+        for piece in &pieces {
+            for c in 0..3 {
+                gram.squares[c].iter_mut().zip(&piece.squares[c]).for_each(|(a, b)| *a += b);
+                gram.products[c].iter_mut().zip(&piece.products[c]).for_each(|(a, b)| *a += b);
+            }
+            gram.total += piece.total;
+        }
+        gram.symmetrise();
+        gram
+    }
+
+    fn zero(columns: usize) -> Self {
+        Self {
+            columns,
+            squares: std::array::from_fn(|_| vec![0.0; columns * columns]),
+            products: std::array::from_fn(|_| vec![0.0; columns]),
+            total: 0.0,
+        }
+    }
+
+    fn add(&mut self, basis: &Basis, pixel: usize, target: [f32; 3], weights: [f32; 3], form: Form) {
+        let n = self.columns;
+        let (first, second) = (basis.pixel(pixel, 0), basis.pixel(pixel, 1));
+        let mut left = vec![0f64; n];
+        let mut right = vec![0f64; n];
+        for c in 0..3 {
+            let (w, t) = (weights[c] as f64, target[c] as f64);
+            if w == 0.0 {
+                continue;
+            }
+            for i in 0..n {
+                let (a, b) = (first[c * n + i] as f64, second[c * n + i] as f64);
+                (left[i], right[i]) = if form == Form::Whole { (0.5 * (a + b), 0.5 * (a + b)) } else { (a, b) };
+                self.products[c][i] += w * t * 0.5 * (a + b);
+            }
+            self.total += w * t * t;
+            for (row, &l) in self.squares[c].chunks_exact_mut(n).zip(&left) {
+                let l = l * w;
+                row.iter_mut().zip(&right).for_each(|(g, r)| *g += l * r);
+            }
+        }
+    }
+
+    fn symmetrise(&mut self) {
+        for g in &mut self.squares {
+            for i in 0..self.columns {
+                for j in 0..i {
+                    let mean = 0.5 * (g[i * self.columns + j] + g[j * self.columns + i]);
+                    g[i * self.columns + j] = mean;
+                    g[j * self.columns + i] = mean;
+                }
+            }
+        }
+    }
+
+    /// χ² of the picture with the coefficients `x` of the columns, channel by channel.
+    pub fn chi2(&self, x: &[Vec<f64>; 3]) -> f64 {
+        (0..3).map(|c| dot(&x[c], &self.times(c, &x[c])) - 2.0 * dot(&x[c], &self.products[c])).sum::<f64>() + self.total
+    }
+
+    /// Gx for one channel. What is 0 in x costs nothing.
+    fn times(&self, channel: usize, x: &[f64]) -> Vec<f64> {
+        let mut out = vec![0.0; self.columns];
+        for (row, &v) in self.squares[channel].chunks_exact(self.columns).zip(x) {
+            if v != 0.0 {
+                out.iter_mut().zip(row).for_each(|(o, g)| *o += v * g);
+            }
+        }
+        out
+    }
+
+    /// Half the gradient of χ², and Gauss and Newton's matrix, in parameters that move x by the columns of `jacobian` (parameter by parameter).
+    pub fn normal_equations(&self, x: &[Vec<f64>; 3], jacobian: &[[Vec<f64>; 3]]) -> (Vec<f64>, Vec<Vec<f64>>) {
+        let n = jacobian.len();
+        let (mut gradient, mut matrix) = (vec![0.0; n], vec![vec![0.0; n]; n]);
+        for c in 0..3 {
+            let gx = self.times(c, &x[c]);
+            let moved: Vec<Vec<f64>> = jacobian.iter().map(|j| self.times(c, &j[c])).collect();
+            for i in 0..n {
+                gradient[i] += dot(&jacobian[i][c], &gx) - dot(&jacobian[i][c], &self.products[c]);
+                for j in 0..n {
+                    matrix[i][j] += dot(&jacobian[i][c], &moved[j]);
+                }
+            }
+        }
+        (gradient, matrix)
+    }
+}
+
+/// Pixels that are summed at a time.
+const PIECE: usize = 256;
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}

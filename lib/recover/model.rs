@@ -1,0 +1,100 @@
+//! From the numbers of a material to the coefficients of the basis' columns.
+
+use crate::transport::{Alpha, Monomials};
+
+/// The rough materials: what A1… mean.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Kind {
+    /// Whether the specular lobe is coloured: metal.
+    pub metal: bool,
+    /// Whether it transmits: trans.
+    pub transmits: bool,
+    /// Whether it has two roughnesses.
+    pub anisotropic: bool,
+}
+
+/// A rough material's real arguments as coefficients of a basis' columns.
+pub struct Model<'a> {
+    kind: Kind,
+    monomials: &'a Monomials,
+    /// Logarithms of the roughnesses of the nodes along one axis; anisotropic nodes are their square grid, u slowest.
+    grid: Vec<f64>,
+}
+
+impl<'a> Model<'a> {
+    /// The model of a basis with nodes at the roughnesses `grid` (rising; for an anisotropic kind, on both axes).
+    pub fn new(kind: Kind, monomials: &'a Monomials, grid: &[f64]) -> Self {
+        Self { kind, monomials, grid: grid.iter().map(|a| a.ln()).collect() }
+    }
+
+    /// The coefficients of red's, green's and blue's columns for the real arguments `a`.
+    pub fn coefficients(&self, a: &[f64]) -> [Vec<f64>; 3] {
+        let at = if self.kind.anisotropic { 6 } else { 5 };
+        let (specular, transmission, through) = match self.kind.transmits {
+            true => (a[3], a[at] * (1.0 - a[3]), a[at + 1]),
+            false => (a[3], 0.0, 0.0),
+        };
+        let nodes = self.nodes(&a[4..at]);
+        std::array::from_fn(|c| {
+            let color = a[c];
+            // Semantics 3.3: the partition of what is not absorbed.
+            let parts = [
+                color * (1.0 - specular - transmission),
+                color * transmission * (1.0 - through),
+                if self.kind.metal { color * specular } else { specular },
+                color * transmission * through,
+            ];
+            let product = |m: usize| self.monomials.exponents[m].iter().zip(parts).map(|(&e, p)| p.powi(e as i32)).product::<f64>();
+            self.monomials.column().map(|(m, node)| product(m) * node.map_or(1.0, |n| nodes[n])).collect()
+        })
+    }
+
+    /// The weights of the nodes at a roughness.
+    fn nodes(&self, roughness: &[f64]) -> Vec<f64> {
+        let u = cubic(&self.grid, roughness[0].abs().max(1e-9).ln());
+        match self.kind.anisotropic {
+            false => u,
+            true => {
+                let v = cubic(&self.grid, roughness[1].abs().max(1e-9).ln());
+                u.iter().flat_map(|u| v.iter().map(move |v| u * v)).collect()
+            }
+        }
+    }
+}
+
+/// The roughnesses of the nodes of a basis, squared, for a grid along one axis.
+pub fn alphas(kind: Kind, grid: &[f64]) -> Vec<Alpha> {
+    match kind.anisotropic {
+        false => grid.iter().map(|a| [a * a; 2]).collect(),
+        true => grid.iter().flat_map(|u| grid.iter().map(move |v| [u * u, v * v])).collect(),
+    }
+}
+
+/// Weights that interpolate at `x` between nodes at `grid`: Lagrange's cubic through the four nearest, or a parabola through three. Beyond
+/// the ends, the end counts.
+fn cubic(grid: &[f64], x: f64) -> Vec<f64> {
+    let n = grid.len();
+    let x = x.clamp(grid[0], grid[n - 1]);
+    let above = grid.partition_point(|&g| g <= x);
+    let (first, last) = if n < 4 { (0, n) } else { (above.saturating_sub(2).min(n - 4), above.saturating_sub(2).min(n - 4) + 4) };
+    let mut weights = vec![0.0; n];
+    for i in first..last {
+        weights[i] = (first..last).filter(|&j| j != i).map(|j| (x - grid[j]) / (grid[i] - grid[j])).product();
+    }
+    weights
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_cubic_is_exact_for_cubics_and_at_nodes() {
+        let grid = [0.0, 0.7, 1.5, 2.0, 3.1, 4.0];
+        let f = |x: f64| 1.0 - 2.0 * x + 0.5 * x * x - 0.1 * x * x * x;
+        for x in [0.0, 0.3, 0.7, 1.9, 2.0, 3.9, 4.0] {
+            let value: f64 = cubic(&grid, x).iter().zip(grid).map(|(w, g)| w * f(g)).sum();
+            assert!((value - f(x)).abs() < 1e-12);
+        }
+    }
+}

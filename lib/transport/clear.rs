@@ -1,0 +1,150 @@
+//! The basis of a smooth transparent unknown, dielectric or glass: the picture at several transmissivities, for one index of refraction.
+//!
+//! Each channel of a picture depends on the transmissivity of that channel only. In a dielectric a path of length ℓ inside is dimmed by T^ℓ; a
+//! pane of glass reflects and transmits by the formula of its many inner reflections.
+
+use super::{LANES, Nodes};
+use crate::bsdf::{Arriving, Bsdf, Delta, Part, smooth::pane};
+use crate::color::Rgb;
+use crate::integrator::{Scattering, Transport};
+use crate::material::{Inside, Material, Medium};
+use crate::rules::Rules;
+use crate::scene::MaterialId;
+use crate::vector::Vec3;
+use crate::world::Layer;
+use wide::f32x8;
+
+/// Lanes of transmissivities.
+const L: usize = 2;
+
+/// A transparent material with a given index, explored at several transmissivities.
+pub struct Clear {
+    /// The material.
+    pub material: MaterialId,
+    /// Whether it is a pane of glass rather than a body.
+    pub glass: bool,
+    /// Index of refraction.
+    pub index: f64,
+    /// The transmissivities, rising from 0 to 1.
+    pub nodes: [f64; L * LANES],
+    logarithms: Nodes<L>,
+}
+
+impl Clear {
+    /// A dielectric or glass of this index.
+    pub fn new(material: MaterialId, glass: bool, index: f64) -> Self {
+        // Dense near 0, where T^ℓ is steep for short paths.
+        let nodes = std::array::from_fn(|i| (i as f64 / (L * LANES - 1) as f64).powi(2));
+        let logarithms = std::array::from_fn(|l| f32x8::from(std::array::from_fn(|i| nodes[l * LANES + i].max(1e-40).ln() as f32)));
+        Self { material, glass, index, nodes, logarithms }
+    }
+
+    /// The columns of a channel.
+    pub fn columns(&self) -> usize {
+        L * LANES
+    }
+}
+
+/// A throughput: what is known of it, and what the unknown makes of it at each transmissivity.
+#[derive(Clone)]
+pub(super) struct Beta {
+    known: Rgb,
+    nodes: Nodes<L>,
+}
+
+/// Hands each path's light to the columns.
+pub(super) struct Dimming<'a> {
+    pub rules: &'a Rules,
+    pub unknown: &'a Clear,
+    pub columns: &'a mut [f32],
+}
+
+/// Scattering, and whether it is the unknown's.
+pub(super) struct Surface {
+    bsdf: Bsdf,
+    unknown: bool,
+    pattern: Rgb,
+}
+
+impl Scattering for Surface {
+    fn bsdf(&self) -> &Bsdf {
+        &self.bsdf
+    }
+}
+
+impl Transport for Dimming<'_> {
+    type Beta = Beta;
+    type Surface = Surface;
+
+    fn start(&self) -> Beta {
+        Beta { known: Rgb::ONE, nodes: [f32x8::ONE; L] }
+    }
+
+    fn scale(&self, beta: &mut Beta, by: Rgb) {
+        beta.known *= by;
+    }
+
+    fn size(&self, beta: &Beta) -> f64 {
+        beta.known.abs().max_element()
+    }
+
+    fn surface(&self, layer: &Layer, rules: &Rules) -> Surface {
+        if layer.id != self.unknown.material || layer.material.is_none() {
+            return Surface { bsdf: layer.bsdf(rules), unknown: false, pattern: Rgb::ONE };
+        }
+        let medium = Medium { transmissivity: Rgb::ONE, index: self.unknown.index };
+        let material = if self.unknown.glass { Material::Glass(medium) } else { Material::Dielectric(medium) };
+        let mut bsdf = Bsdf::new(&material, &layer.point, layer.pattern, rules);
+        // What is refracted into a body goes on in the unknown.
+        if let (false, true, Some(delta)) = (self.unknown.glass, layer.point.front, &mut bsdf.deltas[1]) {
+            delta.medium = Some(Inside { extinction: Rgb::ZERO, unknown: true });
+        }
+        Surface { bsdf, unknown: true, pattern: layer.pattern }
+    }
+
+    fn aimed(&self, beta: &Beta, surface: &Surface, wi: Vec3, arriving: Arriving, pdf: f64, counts: &[f64; 4]) -> Beta {
+        let bsdf = &surface.bsdf;
+        Beta { known: beta.known * bsdf.value(wi, arriving, &bsdf.balance(wi, arriving, pdf, counts), self.rules), ..*beta }
+    }
+
+    fn drawn(&self, beta: &Beta, surface: &Surface, wi: Vec3, part: Part, _: usize, count: f64) -> (Beta, f64) {
+        let density = count * surface.bsdf.pdf(part, wi);
+        let value = surface.bsdf.value(wi, Arriving::Indirect, &part.alone(1.0 / density), self.rules);
+        (Beta { known: beta.known * value, ..*beta }, density)
+    }
+
+    fn ambient(&self, beta: &Beta, surface: &Surface, side: usize) -> Beta {
+        Beta { known: beta.known * surface.bsdf.ambient[side], ..*beta }
+    }
+
+    fn follow(&self, beta: &Beta, surface: &Surface, delta: &Delta) -> Beta {
+        if !(surface.unknown && self.unknown.glass) {
+            return Beta { known: beta.known * delta.coefficient, ..*beta };
+        }
+        let (cos, way) = (surface.bsdf.viewer().z, !delta.reflected as usize);
+        let nodes = std::array::from_fn(|l| {
+            beta.nodes[l]
+                * f32x8::from(std::array::from_fn(|i| pane(cos, self.unknown.index, self.unknown.nodes[l * LANES + i])[way] as f32))
+        });
+        Beta { known: if delta.reflected { beta.known } else { beta.known * surface.pattern }, nodes }
+    }
+
+    fn absorb(&self, beta: &mut Beta, medium: &Inside, length: f64) {
+        if medium.unknown {
+            for (node, ln) in beta.nodes.iter_mut().zip(self.unknown.logarithms) {
+                *node *= (ln * length as f32).exp();
+            }
+        } else {
+            beta.known *= medium.transmittance(length);
+        }
+    }
+
+    fn collect(&mut self, beta: &Beta, radiance: Rgb) {
+        for (columns, light) in self.columns.chunks_exact_mut(L * LANES).zip((beta.known * radiance).to_array()) {
+            for (columns, nodes) in columns.chunks_exact_mut(LANES).zip(beta.nodes) {
+                let sum = f32x8::from(&columns[..]) + nodes * light as f32;
+                columns.copy_from_slice(&sum.to_array());
+            }
+        }
+    }
+}

@@ -1,0 +1,418 @@
+//! The basis of a rough unknown: plastic, metal, trans and their anisotropic kin.
+//!
+//! A path that meets the unknown j times diffusely and k times specularly contributes ρd^j ρs^k times something that depends on the
+//! roughness alone. So a picture is a polynomial in the coefficients of the lobes, whose terms are pictures. Roughness is sampled at a few
+//! nodes, all evaluated on the same directions. Choices on a path never depend on what is unknown.
+
+use super::{LANES, Nodes};
+use crate::bsdf::{Arriving, Bsdf, Delta, Part, lobe};
+use crate::color::Rgb;
+use crate::integrator::{Scattering, Transport};
+use crate::material::Inside;
+use crate::rules::{Rules, Ward};
+use crate::scene::MaterialId;
+use crate::vector::Vec3;
+use crate::world::Layer;
+use std::f64::consts::PI;
+use wide::f32x8;
+
+/// How often a path may meet the unknown. What is left out beyond is below .2 % on strongly concave objects.
+pub const ORDER: usize = 3;
+
+/// Squared roughnesses along the two tangents of the lobe.
+pub type Alpha = [f64; 2];
+
+/// The products of lobe coefficients that paths carry: how often each [`Part`] of the unknown was met, up to [`ORDER`] in all.
+#[derive(Clone, Debug)]
+pub struct Monomials {
+    /// Exponents of the coefficients of the four parts.
+    pub exponents: Vec<[u8; 4]>,
+    /// The first column of each product.
+    offsets: Vec<usize>,
+    number: [u8; 256],
+    nodes: usize,
+    columns: usize,
+}
+
+impl Monomials {
+    /// All products for an unknown that transmits light or does not, with lobes at `nodes` roughnesses.
+    pub fn new(transmits: bool, nodes: usize) -> Self {
+        let mut monomials = Self { exponents: Vec::new(), offsets: Vec::new(), number: [u8::MAX; 256], nodes, columns: 0 };
+        let most = |part: usize, left: usize| if part % 2 == 1 && !transmits { 0 } else { left };
+        for a in 0..=ORDER {
+            for b in 0..=most(1, ORDER - a) {
+                for c in 0..=ORDER - a - b {
+                    for d in 0..=most(3, ORDER - a - b - c) {
+                        let exponents = [a as u8, b as u8, c as u8, d as u8];
+                        monomials.number[Self::key(exponents)] = monomials.exponents.len() as u8;
+                        monomials.offsets.push(monomials.columns);
+                        monomials.columns += if c + d > 0 { nodes } else { 1 };
+                        monomials.exponents.push(exponents);
+                    }
+                }
+            }
+        }
+        monomials
+    }
+
+    fn key(e: [u8; 4]) -> usize {
+        e[0] as usize | (e[1] as usize) << 2 | (e[2] as usize) << 4 | (e[3] as usize) << 6
+    }
+
+    /// The product `m` times the coefficient of one more part; `None` beyond [`ORDER`].
+    fn times(&self, m: u8, part: Part) -> Option<u8> {
+        let mut e = self.exponents[m as usize];
+        if e.iter().map(|&x| x as usize).sum::<usize>() == ORDER {
+            return None;
+        }
+        e[part as usize] += 1;
+        Some(self.number[Self::key(e)]).filter(|&n| n != u8::MAX)
+    }
+
+    /// Whether a product's picture depends on the roughness.
+    pub fn varies(&self, m: usize) -> bool {
+        self.exponents[m][2] + self.exponents[m][3] > 0
+    }
+
+    /// The number of columns of a channel: one for each product, or one for each product and node.
+    pub fn columns(&self) -> usize {
+        self.columns
+    }
+
+    /// For each column of a channel: its product, and its node if it has one.
+    pub fn column(&self) -> impl Iterator<Item = (usize, Option<usize>)> + '_ {
+        (0..self.exponents.len()).flat_map(move |m| {
+            let count = if self.varies(m) { self.nodes } else { 1 };
+            (0..count).map(move |n| (m, self.varies(m).then_some(n)))
+        })
+    }
+}
+
+/// What is unknown, and how it is explored.
+#[derive(Clone, Debug)]
+pub struct Rough {
+    /// The material.
+    pub material: MaterialId,
+    /// Whether its specular lobe takes the colour of its patterns, as metal's does.
+    pub metal: bool,
+    /// Whether it transmits.
+    pub transmits: bool,
+    /// The roughnesses at which lobes are evaluated; at most 2·[`LANES`].
+    pub nodes: Vec<Alpha>,
+    /// The roughnesses from which directions are drawn.
+    proposals: Vec<Alpha>,
+    /// Whether each node has its own samples, from the same random numbers: then the proposals are the nodes.
+    matched: bool,
+    /// The products of coefficients.
+    pub monomials: Monomials,
+    /// How many samples the first hit gets: of its diffuse parts, of each proposal, of the environment.
+    pub rates: [f64; 3],
+    /// The nodes in lanes: inverses of the two squared roughnesses, and of the root of their product. Lanes without a node are 0.
+    lanes: Vec<Lanes>,
+    /// The proposals, likewise.
+    drawn: Vec<Lanes>,
+}
+
+/// Inverses of the two squared roughnesses, and of the root of their product.
+type Lanes = (f32x8, f32x8, f32x8);
+
+impl Rough {
+    /// A material explored at the roughnesses `nodes`, all on the same directions, drawn from the roughnesses `proposals`: for a look at
+    /// roughnesses far apart.
+    pub fn shared(material: MaterialId, metal: bool, transmits: bool, nodes: Vec<Alpha>, proposals: Vec<Alpha>) -> Self {
+        Self::new(material, metal, transmits, nodes, proposals, false)
+    }
+
+    /// A material explored at the roughnesses `nodes`, each on directions of its own that differ only as the lobes do: so what one lobe makes of
+    /// the light differs from what the next one makes as little as it must.
+    pub fn matched(material: MaterialId, metal: bool, transmits: bool, nodes: Vec<Alpha>) -> Self {
+        Self::new(material, metal, transmits, nodes.clone(), nodes, true)
+    }
+
+    fn new(material: MaterialId, metal: bool, transmits: bool, nodes: Vec<Alpha>, proposals: Vec<Alpha>, matched: bool) -> Self {
+        let lane =
+            |f: &dyn Fn(&Alpha) -> f64, chunk: &[Alpha]| f32x8::from(std::array::from_fn(|i| chunk.get(i).map_or(0.0, |a| f(a) as f32)));
+        let lanes = |roughnesses: &[Alpha]| -> Vec<Lanes> {
+            let inverses = |c: &[Alpha]| (lane(&|a| 1.0 / a[0], c), lane(&|a| 1.0 / a[1], c), lane(&|a| 1.0 / (a[0] * a[1]).sqrt(), c));
+            roughnesses.chunks(LANES).map(inverses).collect()
+        };
+        let (in_lanes, drawn) = (lanes(&nodes), lanes(&proposals));
+        let monomials = Monomials::new(transmits, nodes.len());
+        Self { material, metal, transmits, nodes, proposals, matched, monomials, rates: [1.0; 3], lanes: in_lanes, drawn }
+    }
+}
+
+/// One term of a throughput.
+#[derive(Clone, Copy)]
+struct Term<const L: usize> {
+    monomial: u8,
+    /// What known surfaces and patterns make of it.
+    known: Rgb,
+    /// What the lobes of the unknown make of it, at each node, over the densities of the directions.
+    lobes: Nodes<L>,
+}
+
+/// The throughput of a path: a sum of at most two terms, as the last surface may have scattered diffusely or specularly.
+#[derive(Clone)]
+pub(super) struct Beta<const L: usize> {
+    terms: [Option<Term<L>>; 2],
+}
+
+/// Hands each path's light to the columns of its product.
+pub(super) struct Tagging<'a, const L: usize> {
+    pub rules: &'a Rules,
+    pub unknown: &'a Rough,
+    pub columns: &'a mut [f32],
+}
+
+/// Scattering at a known surface, or at the unknown.
+pub(super) enum Surface<'a> {
+    Known(Bsdf),
+    Unknown { shape: Bsdf, pattern: Rgb, unknown: &'a Rough },
+}
+
+/// What a part of the unknown counts for in the choice of a way on: the same whatever its coefficients are.
+const SHARE: f64 = 0.5;
+
+impl<const L: usize> Tagging<'_, L> {
+    /// A part's value at a direction, without its coefficient, and the density with which its samples are drawn there, at each node.
+    fn shape(&self, shape: &Bsdf, part: Part, wi: Vec3, arriving: Arriving) -> (Nodes<L>, Nodes<L>) {
+        let all = |x: f64| [f32x8::splat(x as f32); L];
+        if part.diffuse() {
+            let lambert = wi.z.abs() / PI;
+            return (all(lambert), all(lambert));
+        }
+        let (values, density): (Nodes<L>, f64) = if part == Part::SpecularReflection {
+            let (wo, h) = (shape.viewer(), shape.viewer() + wi);
+            let (x, y) = ((h.x * h.x / (h.z * h.z)) as f32, (h.y * h.y / (h.z * h.z)) as f32);
+            let gaussian = |(u, v, area): (f32x8, f32x8, f32x8)| (-(u * x + v * y)).exp() * area;
+            let scale = match self.rules.lobe {
+                Ward::Bounded => wi.z * h.length_squared() / (PI * h.z.powi(4)),
+                Ward::Original => wi.z / (4.0 * PI * (wi.z * wo.z).sqrt()),
+            } as f32;
+            let densities = (h.length_squared() / (2.0 * PI * h.z.powi(3))) as f32;
+            let nodes: Nodes<L> = std::array::from_fn(|l| gaussian(self.unknown.lanes[l]));
+            if self.unknown.matched {
+                return (nodes.map(|n| n * scale), nodes.map(|n| n * densities));
+            }
+            let drawn: f32 = self.unknown.drawn.iter().map(|&lanes| gaussian(lanes).reduce_add()).sum();
+            (nodes.map(|n| n * scale), (drawn * densities) as f64)
+        } else {
+            let at = |alpha: Alpha| lobe::transmission_pdf(alpha, shape.straight(), wi);
+            let nodes = |f: &dyn Fn(Alpha) -> f64| {
+                std::array::from_fn(|l| {
+                    f32x8::from(std::array::from_fn(|i| self.unknown.nodes.get(l * LANES + i).map_or(0.0, |&alpha| f(alpha) as f32)))
+                })
+            };
+            let values: Nodes<L> = match arriving {
+                Arriving::Lamp(_) => nodes(&|alpha| lobe::transmission(alpha, shape.straight(), shape.viewer(), wi)),
+                Arriving::Indirect => nodes(&at),
+            };
+            if self.unknown.matched {
+                return (values, nodes(&at));
+            }
+            (values, self.unknown.proposals.iter().map(|&alpha| at(alpha)).sum())
+        };
+        (values, all(density))
+    }
+
+    /// The first term of a throughput, after meeting a part of the unknown that makes `lobes` of it at each group of nodes.
+    fn met(&self, beta: &Beta<L>, surface: &Surface, part: Part, lobes: impl Fn(usize) -> f32x8) -> Option<Term<L>> {
+        let (Surface::Unknown { pattern, unknown, .. }, Some(term)) = (surface, beta.terms[0]) else { return None };
+        let monomial = unknown.monomials.times(term.monomial, part)?;
+        let known = if part == Part::SpecularReflection && !unknown.metal { term.known } else { term.known * *pattern };
+        Some(Term { monomial, known, lobes: std::array::from_fn(|l| term.lobes[l] * lobes(l)) })
+    }
+
+    /// A throughput behind a known surface.
+    fn known(&self, beta: &Beta<L>, bsdf: &Bsdf, wi: Vec3, arriving: Arriving, weights: &[f64; 4]) -> Beta<L> {
+        let mut beta = beta.clone();
+        self.scale(&mut beta, bsdf.value(wi, arriving, weights, self.rules));
+        beta
+    }
+}
+
+impl<'a, const L: usize> Transport for Tagging<'a, L> {
+    type Beta = Beta<L>;
+    type Surface = Surface<'a>;
+
+    fn start(&self) -> Beta<L> {
+        Beta { terms: [Some(Term { monomial: 0, known: Rgb::ONE, lobes: [f32x8::ONE; L] }), None] }
+    }
+
+    fn scale(&self, beta: &mut Beta<L>, by: Rgb) {
+        beta.terms.iter_mut().flatten().for_each(|t| t.known *= by);
+    }
+
+    fn size(&self, beta: &Beta<L>) -> f64 {
+        let term =
+            |t: &Term<L>| t.known.abs().max_element() * t.lobes.iter().fold(0f32, |m, v| v.to_array().into_iter().fold(m, f32::max)) as f64;
+        beta.terms.iter().flatten().map(term).fold(0.0, f64::max)
+    }
+
+    fn surface(&self, layer: &Layer, rules: &Rules) -> Surface<'a> {
+        if layer.id != self.unknown.material || layer.material.is_none() {
+            return Surface::Known(layer.bsdf(rules));
+        }
+        Surface::Unknown { shape: layer.bsdf(rules), pattern: layer.pattern, unknown: self.unknown }
+    }
+
+    fn aimed(&self, beta: &Beta<L>, surface: &Surface, wi: Vec3, arriving: Arriving, pdf: f64, counts: &[f64; 4]) -> Beta<L> {
+        match surface {
+            Surface::Known(bsdf) => self.known(beta, bsdf, wi, arriving, &bsdf.balance(wi, arriving, pdf, counts)),
+            Surface::Unknown { shape, .. } => {
+                let mut next = Beta { terms: [None; 2] };
+                if arriving == Arriving::Indirect && !shape.passes(wi) {
+                    return next;
+                }
+                let side = (wi.z < 0.0) as usize;
+                let parts = [Part::ALL[side], Part::ALL[2 + side]];
+                for (slot, part) in next.terms.iter_mut().zip(parts) {
+                    let count = counts[part as usize];
+                    if count == 0.0 && arriving == Arriving::Indirect {
+                        continue;
+                    }
+                    let (values, densities) = self.shape(shape, part, wi, arriving);
+                    let (pdf, count) = (f32x8::splat(pdf as f32), f32x8::splat(count as f32));
+                    // A path is a single term until it is aimed at a light.
+                    *slot = self.met(beta, surface, part, |l| values[l] / (pdf + count * densities[l]));
+                }
+                next
+            }
+        }
+    }
+
+    fn drawn(&self, beta: &Beta<L>, surface: &Surface, wi: Vec3, part: Part, way: usize, count: f64) -> (Beta<L>, f64) {
+        match surface {
+            Surface::Known(bsdf) => {
+                let density = count * bsdf.pdf(part, wi);
+                (self.known(beta, bsdf, wi, Arriving::Indirect, &part.alone(1.0 / density)), density)
+            }
+            Surface::Unknown { shape, unknown, .. } => {
+                let (values, densities) = self.shape(shape, part, wi, Arriving::Indirect);
+                // A node that is sampled for itself gets nothing from the samples of others, while paths are followed in all ways.
+                let (lane, place) = (way / LANES, way % LANES);
+                let own = unknown.matched && !part.diffuse();
+                let density = count * densities[lane].to_array()[place] as f64;
+                let only = f32x8::from(std::array::from_fn(|i| (i == place) as u8 as f32));
+                let scale = (1.0 / density) as f32;
+                let term = self.met(beta, surface, part, |l| match own {
+                    false => values[l] * scale,
+                    true if l == lane => values[l] * only * scale,
+                    true => f32x8::ZERO,
+                });
+                (Beta { terms: [term, None] }, density)
+            }
+        }
+    }
+
+    fn ambient(&self, beta: &Beta<L>, surface: &Surface, side: usize) -> Beta<L> {
+        match surface {
+            Surface::Known(bsdf) => {
+                let mut beta = beta.clone();
+                self.scale(&mut beta, bsdf.ambient[side]);
+                beta
+            }
+            Surface::Unknown { pattern, unknown, .. } => {
+                let mut beta = beta.clone();
+                for slot in &mut beta.terms {
+                    *slot = slot.and_then(|t| {
+                        unknown.monomials.times(t.monomial, Part::ALL[side]).map(|monomial| Term {
+                            monomial,
+                            known: t.known * *pattern,
+                            ..t
+                        })
+                    });
+                }
+                beta
+            }
+        }
+    }
+
+    fn follow(&self, beta: &Beta<L>, _: &Surface, delta: &Delta) -> Beta<L> {
+        let mut beta = beta.clone();
+        self.scale(&mut beta, delta.coefficient);
+        beta
+    }
+
+    fn absorb(&self, beta: &mut Beta<L>, medium: &Inside, length: f64) {
+        self.scale(beta, medium.transmittance(length));
+    }
+
+    fn collect(&mut self, beta: &Beta<L>, radiance: Rgb) {
+        let per_channel = self.unknown.monomials.columns();
+        for term in beta.terms.iter().flatten() {
+            let offset = self.unknown.monomials.offsets[term.monomial as usize];
+            let varies = self.unknown.monomials.varies(term.monomial as usize);
+            let nodes = self.unknown.nodes.len();
+            for (channel, light) in (term.known * radiance).to_array().into_iter().enumerate() {
+                let columns = &mut self.columns[channel * per_channel + offset..];
+                if !varies {
+                    columns[0] += light as f32 * term.lobes[0].to_array()[0];
+                    continue;
+                }
+                for (lobes, columns) in term.lobes.iter().zip(columns[..nodes].chunks_mut(LANES)) {
+                    let added = *lobes * light as f32;
+                    columns.iter_mut().zip(added.to_array()).for_each(|(sum, a)| *sum += a);
+                }
+            }
+        }
+    }
+}
+
+impl Scattering for Surface<'_> {
+    fn bsdf(&self) -> &Bsdf {
+        match self {
+            Self::Known(shape) | Self::Unknown { shape, .. } => shape,
+        }
+    }
+
+    fn deltas(&self) -> &[Option<Delta>; 2] {
+        match self {
+            Self::Known(bsdf) => &bsdf.deltas,
+            Self::Unknown { .. } => &[None; 2],
+        }
+    }
+
+    fn weights(&self) -> [f64; 4] {
+        match self {
+            Self::Known(bsdf) => bsdf.weights(),
+            Self::Unknown { unknown, .. } if unknown.transmits => [SHARE; 4],
+            Self::Unknown { .. } => [SHARE, 0.0, SHARE, 0.0],
+        }
+    }
+
+    fn ways(&self, part: Part) -> usize {
+        match self {
+            Self::Unknown { unknown, .. } if !part.diffuse() => unknown.proposals.len(),
+            _ => 1,
+        }
+    }
+
+    fn sample(&self, part: Part, way: usize, u: [f64; 2]) -> Option<Vec3> {
+        match self {
+            Self::Unknown { shape, unknown, .. } if !part.diffuse() => {
+                let wi = match part {
+                    Part::SpecularReflection => lobe::sample_reflection(unknown.proposals[way], shape.viewer(), u),
+                    _ => lobe::sample_transmission(unknown.proposals[way], shape.straight(), u),
+                };
+                (shape.passes(wi) && (wi.z < 0.0) as usize == part.side()).then_some(wi)
+            }
+            _ => self.bsdf().sample(part, u),
+        }
+    }
+
+    fn rates(&self) -> ([f64; 4], f64) {
+        match self {
+            Self::Known(_) => ([1.0; 4], 1.0),
+            Self::Unknown { unknown, .. } => ([unknown.rates[0], unknown.rates[0], unknown.rates[1], unknown.rates[1]], unknown.rates[2]),
+        }
+    }
+
+    fn lamps_differ(&self, part: Part) -> bool {
+        match self {
+            Self::Known(bsdf) => bsdf.lamps_differ(part),
+            Self::Unknown { .. } => part == Part::SpecularTransmission,
+        }
+    }
+}

@@ -1,0 +1,401 @@
+//! The unknown: which numbers of which material a search may change, between which bounds, and the file with those numbers in place.
+
+use crate::anneal::Parameter;
+use crate::error::{Error, Result};
+use crate::rad::{Class, Document, Number, Primitive};
+use serde::{Deserialize, Serialize};
+
+/// What the user said of the unknown; what was not said follows from the material's type.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Wishes {
+    /// The identifier of the unknown material; needed when the file has several.
+    pub material: Option<String>,
+    /// Start and bounds of parameters.
+    pub bounds: Vec<Bounds>,
+    /// Parameters that keep the value they start with.
+    pub fixed: Vec<String>,
+    /// Parameters that share one value, which starts as the first of them does.
+    pub tied: Vec<Vec<String>>,
+    /// Groups of parameters that move together. `rgb` is short for the three colours; those not named are one more group.
+    pub groups: Vec<Vec<String>>,
+}
+
+/// Start and bounds of one parameter: `NAME=START:LOW:HIGH`. Without a start, the one in the file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Bounds {
+    /// `red`, `rough`, `a5`…
+    pub name: String,
+    /// Where the search starts.
+    pub start: Option<f64>,
+    /// Smallest value.
+    pub low: f64,
+    /// Largest value.
+    pub high: f64,
+}
+
+/// A material some of whose numbers are not known.
+#[derive(Clone, Debug)]
+pub struct Unknown {
+    document: Document,
+    material: Primitive,
+    /// Its real arguments at the start of the search.
+    start: Vec<f64>,
+    parameters: Vec<Parameter>,
+    groups: Vec<Vec<usize>>,
+    /// For each real argument the parameter that it takes its value from, if it is not fixed.
+    slots: Vec<Option<usize>>,
+}
+
+/// The words that stand for the three colours in a list of parameters.
+const COLORS: (&str, [&str; 3]) = ("rgb", ["red", "green", "blue"]);
+
+impl std::str::FromStr for Bounds {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        let wrong = |what: &str| Error::new(format!("`{text}`: {what}; write NAME=START:LOW:HIGH, as in rough=.1:0:.3"));
+        let (name, numbers) = text.split_once('=').ok_or_else(|| wrong("no `=`"))?;
+        let numbers: Vec<&str> = numbers.split(':').map(str::trim).collect();
+        let [start, low, high] = numbers[..] else { return Err(wrong("not three numbers")) };
+        let number =
+            |word: &str| crate::rad::real(word).filter(|x| x.is_finite()).ok_or_else(|| wrong(&format!("`{word}` is not a number")));
+        let start = if start.is_empty() { None } else { Some(number(start)?) };
+        let (low, high) = (number(low)?, number(high)?);
+        if low >= high {
+            return Err(wrong("the upper bound must be greater than the lower one"));
+        }
+        if start.is_some_and(|s| !(low..=high).contains(&s)) {
+            return Err(wrong("the start is outside the bounds"));
+        }
+        Ok(Self { name: name.trim().into(), start, low, high })
+    }
+}
+
+/// Names separated by `separator`: `red=green=blue`, `spec,rough`.
+pub fn names(text: &str, separator: char) -> Vec<String> {
+    text.split(separator).map(str::trim).filter(|name| !name.is_empty()).map(String::from).collect()
+}
+
+impl Unknown {
+    /// The unknown of a scene file.
+    pub fn new(document: Document, wishes: &Wishes) -> Result<Self> {
+        let material = choose(&document, wishes.material.as_deref())?.clone();
+        let mut ranges = Vec::new();
+        for index in 0..material.reals.len() {
+            ranges.push(usual(&material, index));
+        }
+        let mut start = material.reals.clone();
+        let index = |name: &str| find(&material, name);
+        let mut said = vec![false; start.len()];
+        for bounds in &wishes.bounds {
+            let i = index(&bounds.name)?;
+            if std::mem::replace(&mut said[i], true) {
+                return Err(Error::new(format!("{}: bounds given twice", bounds.name)));
+            }
+            start[i] = bounds.start.unwrap_or(start[i]);
+            ranges[i] = Some((bounds.low, bounds.high));
+            if !(bounds.low..=bounds.high).contains(&start[i]) {
+                let message = format!("{} starts outside its bounds {}:{}", bounds.name, Number(bounds.low), Number(bounds.high));
+                return Err(material.real_error(i, message + "; give a start as NAME=START:LOW:HIGH"));
+            }
+        }
+        // Tied arguments follow the first of them.
+        let mut leader: Vec<usize> = (0..start.len()).collect();
+        for tie in &wishes.tied {
+            let members = tie.iter().map(|name| index(name)).collect::<Result<Vec<_>>>()?;
+            let [first, rest @ ..] = &members[..] else { continue };
+            for &follower in rest {
+                if said[follower] && follower != *first {
+                    let message = format!("{0} is tied to {1}: give the bounds of {1}", tie[1..].join(", "), tie[0]);
+                    return Err(Error::new(message));
+                }
+                leader[follower] = leader[*first];
+                start[follower] = start[*first];
+            }
+        }
+        for name in &wishes.fixed {
+            let first = leader[index(name)?];
+            ranges[first] = None;
+        }
+        // Lay out what is left free.
+        let mut parameters = Vec::new();
+        let mut slots: Vec<Option<usize>> = vec![None; start.len()];
+        for (i, range) in ranges.iter().enumerate().filter(|(i, _)| leader[*i] == *i) {
+            if let &Some((low, high)) = range {
+                slots[i] = Some(parameters.len());
+                parameters.push(Parameter { name: name(&material, i), start: start[i], low: low.min(start[i]), high: high.max(start[i]) });
+            }
+        }
+        (0..slots.len()).for_each(|i| slots[i] = slots[leader[i]]);
+        if parameters.is_empty() {
+            let message = format!("no parameter of {} `{}` is free", material.kind, material.name);
+            return Err(material.error(message + "; give bounds with --param NAME=START:LOW:HIGH"));
+        }
+        let groups = groups(&material, &slots, parameters.len(), &wishes.groups)?;
+        Ok(Self { document, material, start, parameters, groups, slots })
+    }
+
+    /// What to search for, each with its start and bounds.
+    pub fn parameters(&self) -> &[Parameter] {
+        &self.parameters
+    }
+
+    /// The parameters that move together, by their places in [`Self::parameters`].
+    pub fn groups(&self) -> &[Vec<usize>] {
+        &self.groups
+    }
+
+    /// The material as it was read.
+    pub fn material(&self) -> &Primitive {
+        &self.material
+    }
+
+    /// The material's real arguments when the parameters have these values.
+    pub fn reals(&self, values: &[f64]) -> Vec<f64> {
+        self.slots.iter().zip(&self.start).map(|(slot, start)| slot.map_or(*start, |k| values[k])).collect()
+    }
+
+    /// For each real argument, the place in [`Self::parameters`] of the parameter that it takes its value from, if it is free.
+    pub fn slots(&self) -> &[Option<usize>] {
+        &self.slots
+    }
+
+    /// The file with these values of the parameters and nothing else changed.
+    pub fn document(&self, values: &[f64]) -> Result<Document> {
+        let mut document = self.document.clone();
+        for (i, real) in self.reals(values).into_iter().enumerate() {
+            // A number that stays keeps its spelling.
+            if real != self.material.reals[i] {
+                document.set(&self.material.name, i, real)?;
+            }
+        }
+        Ok(document)
+    }
+
+    /// The file with these values, preceded by comment lines: the title's, then each parameter with its standard error and what there is to
+    /// doubt.
+    pub fn recovered(&self, values: &[f64], errors: Option<&[f64]>, title: &[String]) -> Result<Vec<u8>> {
+        let mut text: String = title.iter().map(|line| format!("# {line}\n")).collect();
+        for (i, (p, value)) in self.parameters.iter().zip(values).enumerate() {
+            text += &format!("# {} {}", p.name, Number(*value));
+            match errors.map(|errors| errors[i]) {
+                Some(error) if error.is_finite() => text += &format!(" ± {}\n", short(error)),
+                _ => text += "\n",
+            }
+        }
+        self.doubts(values, errors).iter().for_each(|doubt| text += &format!("# warning: {doubt}\n"));
+        let mut bytes = text.into_bytes();
+        bytes.extend(self.document(values)?.bytes());
+        Ok(bytes)
+    }
+
+    /// What there is to doubt in these values: parameters that nothing determines, or that stopped at a bound.
+    pub fn doubts(&self, values: &[f64], errors: Option<&[f64]>) -> Vec<String> {
+        let mut doubts = Vec::new();
+        for (i, (p, &value)) in self.parameters.iter().zip(values).enumerate() {
+            let range = p.high - p.low;
+            if errors.is_some_and(|errors| errors[i] > UNDETERMINED * range) {
+                doubts.push(format!("{} is not determined: this picture and this light say little of it", p.name));
+            }
+            let at = if value - p.low < AT_BOUND * range { Some("lower") } else { (p.high - value < AT_BOUND * range).then_some("upper") };
+            if let Some(side) = at {
+                doubts.push(format!(
+                    "{} is at its {side} bound {}; if it may lie beyond, give --param {0}=START:LOW:HIGH",
+                    p.name,
+                    Number(value)
+                ));
+            }
+        }
+        doubts
+    }
+}
+
+/// A standard error larger than this part of the range says that the parameter is not determined; nearer to a bound than this
+/// part is at it.
+const UNDETERMINED: f64 = 0.1;
+const AT_BOUND: f64 = 1e-5;
+
+/// Two digits.
+fn short(x: f64) -> Number {
+    Number(format!("{x:.1e}").parse().unwrap_or(x))
+}
+
+/// The material called `wanted`, or the only one there is.
+fn choose<'a>(document: &'a Document, wanted: Option<&str>) -> Result<&'a Primitive> {
+    let file = &document.source.name;
+    let mut found: Vec<&Primitive> = document
+        .primitives()
+        .filter(|p| p.type_of().is_some_and(|t| t.class == Class::Material) && wanted.is_none_or(|w| w == p.name))
+        .collect();
+    // Of those with the same name the last one counts.
+    let last = found.pop();
+    found.retain(|p| last.is_some_and(|l| l.name != p.name));
+    match (last, wanted) {
+        (Some(material), _) if found.is_empty() => Ok(material),
+        (Some(material), _) => {
+            let mut names: Vec<&str> = found.iter().map(|p| p.name.as_str()).chain([material.name.as_str()]).collect();
+            names.sort_unstable();
+            names.dedup();
+            Err(material.error(format!(
+                "there are {} materials: {}; say which one is unknown with --material ID",
+                names.len(),
+                names.join(" ")
+            )))
+        }
+        (None, Some(name)) => Err(Error::new(format!("{file}: no material is called `{name}`"))),
+        (None, None) => Err(Error::new(format!(
+            "{file}: no material; write one with the values to start from, as in: void plastic m 0 0 5 .5 .5 .5 .05 .1"
+        ))),
+    }
+}
+
+/// The argument called `name`.
+fn find(material: &Primitive, name: &str) -> Result<usize> {
+    let place = material.type_of().and_then(|t| t.parameter(name)).filter(|&i| i < material.reals.len());
+    place.ok_or_else(|| {
+        let names: Vec<String> = (0..material.reals.len()).map(|i| self::name(material, i)).collect();
+        material.error(format!("{} `{}` has no parameter `{name}`; it has {}", material.kind, material.name, names.join(" ")))
+    })
+}
+
+/// What argument `index` is called.
+fn name(material: &Primitive, index: usize) -> String {
+    let named = material.type_of().and_then(|t| t.parameters.get(index));
+    named.map_or_else(|| format!("a{}", index + 1), |name| (*name).to_string())
+}
+
+/// The bounds of argument `index` when none are given; `None` if it then stays as it is.
+///
+/// A colour, a share of the light and a transmissivity lie between 0 and 1 in all that exist. Roughness .4 is past what a
+/// Ward lobe describes well; the anisotropic types must not have roughness 0. Indices of refraction go up to diamond's.
+fn usual(material: &Primitive, index: usize) -> Option<(f64, f64)> {
+    let kind = material.kind.as_str();
+    if matches!(kind, "light" | "illum" | "glow" | "spotlight" | "mist") {
+        return None;
+    }
+    match (name(material, index).as_str(), kind, index) {
+        ("red" | "green" | "blue" | "spec" | "trans" | "tspec", ..) => Some((0.0, 1.0)),
+        ("rough", ..) => Some((0.0, 0.4)),
+        ("urough" | "vrough", ..) => Some((0.001, 0.4)),
+        ("ior", ..) => Some((1.0, 2.5)),
+        (_, "ashik2", 3..=5) | (_, "interface", 4..=6) => Some((0.0, 1.0)),
+        _ => None,
+    }
+}
+
+/// The groups that move together: as wished, else the colours and the others.
+fn groups(material: &Primitive, slots: &[Option<usize>], count: usize, wished: &[Vec<String>]) -> Result<Vec<Vec<usize>>> {
+    let usual = [vec![COLORS.0.to_string()]];
+    let mut left: Vec<bool> = vec![true; count];
+    let mut groups = Vec::new();
+    for wish in if wished.is_empty() { &usual } else { wished } {
+        let mut group = Vec::new();
+        for name in wish {
+            let colors = name == COLORS.0;
+            let members = if colors { COLORS.1.to_vec() } else { vec![name.as_str()] };
+            for name in members {
+                let index = match find(material, name) {
+                    Err(_) if colors => continue,
+                    found => found?,
+                };
+                // Each free parameter is in one group; a fixed one may be named and stays fixed.
+                if let Some(k) = slots[index].filter(|&k| std::mem::take(&mut left[k])) {
+                    group.push(k);
+                }
+            }
+        }
+        groups.push(group);
+    }
+    groups.push((0..count).filter(|&k| left[k]).collect());
+    groups.retain(|group| !group.is_empty());
+    Ok(groups)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::error::Source;
+
+    const HORSE: &str = "# a horse\nvoid metal obj_mat\n0\n0\n5 0.50 .5 5e-1 0.5 0.1 # start\n";
+
+    fn unknown(text: &str, wishes: &Wishes) -> Result<Unknown> {
+        Unknown::new(Document::parse(Source::new("start.rad", text))?, wishes)
+    }
+
+    fn message(text: &str, wishes: &Wishes) -> String {
+        unknown(text, wishes).err().map(|e| e.to_string()).unwrap_or_default()
+    }
+
+    fn words(words: &[&str]) -> Vec<String> {
+        words.iter().map(ToString::to_string).collect()
+    }
+
+    #[test]
+    fn only_the_changed_numbers_change_in_the_file() {
+        let unknown = unknown(HORSE, &Wishes { fixed: words(&["rough"]), ..Wishes::default() }).unwrap();
+        let names: Vec<_> = unknown.parameters().iter().map(|p| (p.name.as_str(), p.start, p.low, p.high)).collect();
+        assert_eq!(names, [("red", 0.5, 0.0, 1.0), ("green", 0.5, 0.0, 1.0), ("blue", 0.5, 0.0, 1.0), ("spec", 0.5, 0.0, 1.0)]);
+        let bytes = unknown.document(&[0.5, 0.25, 0.5, 0.75]).unwrap().bytes();
+        assert_eq!(String::from_utf8(bytes).unwrap(), "# a horse\nvoid metal obj_mat\n0\n0\n5 0.50 0.25 5e-1 0.75 0.1 # start\n");
+    }
+
+    #[test]
+    fn bounds_ties_and_groups_are_as_said() {
+        let wishes = Wishes {
+            bounds: vec!["a5=.2:.1:.3".parse().unwrap(), "red=:0.1:0.9".parse().unwrap()],
+            tied: vec![words(&["red", "green", "blue"])],
+            groups: vec![words(&["rgb"]), words(&["rough"])],
+            ..Wishes::default()
+        };
+        let unknown = unknown(HORSE, &wishes).unwrap();
+        let names: Vec<_> = unknown.parameters().iter().map(|p| (p.name.as_str(), p.start, p.low, p.high)).collect();
+        assert_eq!(names, [("red", 0.5, 0.1, 0.9), ("spec", 0.5, 0.0, 1.0), ("rough", 0.2, 0.1, 0.3)]);
+        assert_eq!(unknown.groups(), [vec![0], vec![2], vec![1]]);
+        assert_eq!(unknown.slots(), [Some(0), Some(0), Some(0), Some(1), Some(2)]);
+        assert_eq!(unknown.reals(&[0.7, 0.9, 0.25]), [0.7, 0.7, 0.7, 0.9, 0.25]);
+    }
+
+    #[test]
+    fn the_unknown_is_the_only_material_or_the_one_named() {
+        let two = "void plastic a 0 0 5 .5 .5 .5 0 0\nvoid glass b 0 0 3 .9 .9 .9\na sphere s 0 0 4 0 0 0 1\n";
+        assert!(message(two, &Wishes::default()).contains("there are 2 materials: a b; say which one is unknown with --material ID"));
+        let glass = unknown(two, &Wishes { material: Some("b".into()), ..Wishes::default() }).unwrap();
+        assert_eq!(glass.material().kind, "glass");
+        assert!(message(two, &Wishes { material: Some("c".into()), ..Wishes::default() }).contains("start.rad: no material is called `c`"));
+        assert!(message("a sphere s 0 0 4 0 0 0 1\n", &Wishes::default()).contains("no material"));
+        // RADIANCE takes the last of two definitions.
+        let again = "void plastic a 0 0 5 .5 .5 .5 0 0\nvoid metal a 0 0 5 .5 .5 .5 0 0\n";
+        assert_eq!(unknown(again, &Wishes::default()).unwrap().material().kind, "metal");
+    }
+
+    #[test]
+    fn what_cannot_be_is_said_with_its_remedy() {
+        let fix = |name: &str| Wishes { fixed: words(&[name]), ..Wishes::default() };
+        assert!(message(HORSE, &fix("ior")).contains("metal `obj_mat` has no parameter `ior`; it has red green blue spec rough"));
+        assert!(message(HORSE, &fix("a6")).contains("has no parameter `a6`"));
+        assert!(
+            message("void light l 0 0 3 9 9 9", &Wishes::default()).contains("no parameter of light `l` is free; give bounds with --param")
+        );
+        let outside = Wishes { bounds: vec!["rough=:.2:.3".parse().unwrap()], ..Wishes::default() };
+        assert!(message(HORSE, &outside).starts_with("start.rad:5:"));
+        let tied = Wishes { tied: vec![words(&["red", "blue"])], bounds: vec!["blue=.5:0:1".parse().unwrap()], ..Wishes::default() };
+        assert!(message(HORSE, &tied).contains("blue is tied to red: give the bounds of red"));
+        for wrong in ["rough", "rough=1:2", "rough=a:0:1", "rough=.5:1:0", "rough=2:0:1", "rough=nan:0:1"] {
+            assert!(wrong.parse::<Bounds>().unwrap_err().message.contains("write NAME=START:LOW:HIGH"), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn a_start_outside_the_usual_bounds_widens_them() {
+        let rough = unknown("void plastic a 0 0 5 .5 .5 .5 0 .6", &Wishes::default()).unwrap();
+        assert_eq!(rough.parameters()[4].high, 0.6);
+    }
+
+    #[test]
+    fn hartmann_and_a_glass_without_index_stay_as_they_are() {
+        let names = |text: &str| unknown(text, &Wishes::default()).unwrap().parameters().iter().map(|p| p.name.clone()).collect::<Vec<_>>();
+        assert_eq!(names("void dielectric a 0 0 5 .5 .5 .5 1.3 0"), ["red", "green", "blue", "ior"]);
+        assert_eq!(names("void glass a 0 0 3 .5 .5 .5"), ["red", "green", "blue"]);
+        assert_eq!(names("void ashik2 a 4 0 1 0 . 0 8 .5 .5 .5 .1 .1 .1 10 10"), ["red", "green", "blue", "a4", "a5", "a6"]);
+    }
+}

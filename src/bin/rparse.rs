@@ -1,0 +1,97 @@
+//! rparse: reads scene descriptions.
+
+use inverad::args::Commands;
+use inverad::args::rparse::Args;
+use inverad::check::check;
+use inverad::cli::{self, Answer, Console, Disk, Input, Outcome, Output};
+use inverad::error::{Error, Source};
+use inverad::expand::{Flat, expand, expand_all_errors, refuse_commands};
+use inverad::inventory::Inventory;
+use inverad::rad::{self, Document, Links, Type};
+use inverad::{cal, resolve::Resolve};
+use std::process::ExitCode;
+use std::sync::Arc;
+
+/// So many warnings are shown.
+const WARNINGS: usize = 100;
+
+fn main() -> ExitCode {
+    cli::main("rparse", run)
+}
+
+fn run(args: Args, console: &Console) -> Outcome<Answer> {
+    let input = Input::default();
+    let mut sources = Vec::new();
+    for name in &args.files {
+        let (name, bytes) = input.read(name)?;
+        sources.push(Source::new(name, rad::decode(bytes)));
+    }
+    let disk = Disk::new(args.scenes.commands, cal::shipped, console);
+    let deny = args.scenes.commands == Some(Commands::Deny);
+    if args.mode.check {
+        return Ok(report(sources, &disk, deny, console));
+    }
+    let mut documents = sources.into_iter().map(Document::parse).collect::<Result<Vec<_>, Error>>()?;
+    let text = if args.mode.keep {
+        args.set.iter().try_for_each(|setting| rad::set(&mut documents, setting))?;
+        documents.iter().map(Document::bytes).collect::<Vec<_>>().concat()
+    } else {
+        if deny {
+            refuse_commands(&documents)?;
+        }
+        let flat = expand(documents, &disk)?;
+        flat.warnings.iter().for_each(|warning| console.warn(warning));
+        rad::encode(&print(&args, flat))
+    };
+    Output::whole(args.common.output.as_deref(), &text)?;
+    Ok(Answer::Yes)
+}
+
+/// The description in the form that is asked for.
+fn print(args: &Args, mut flat: Flat) -> String {
+    if args.mode.stats {
+        return Inventory::of(&flat).to_string();
+    }
+    if args.mode.json {
+        return flat.primitives.iter().map(|p| rad::json(p) + "\n").collect();
+    }
+    if args.mode.materials {
+        let mut used = Links::of(&flat.primitives).used(&flat.primitives).into_iter();
+        flat.primitives.retain(|p| used.next() == Some(true) && p.type_of().is_some_and(Type::is_modifier));
+        flat.annotations.clear();
+    }
+    flat.to_string()
+}
+
+/// Says everything that is wrong.
+fn report(sources: Vec<Arc<Source>>, resolve: &dyn Resolve, deny: bool, console: &Console) -> Answer {
+    let (mut documents, mut errors) = (Vec::new(), Vec::new());
+    for source in sources {
+        let (document, mut wrong) = Document::parse_all_errors(source);
+        documents.push(document);
+        errors.append(&mut wrong);
+    }
+    if deny && let Err(error) = refuse_commands(&documents) {
+        errors.push(error);
+    } else {
+        let (flat, mut wrong) = expand_all_errors(documents, resolve);
+        errors.append(&mut wrong);
+        let mut problems = check(&flat, resolve);
+        errors.append(&mut problems.errors);
+        let warnings = flat.warnings.into_iter().chain(problems.warnings.iter().map(Error::remark));
+        let more = warnings
+            .enumerate()
+            .filter(|(i, warning)| {
+                *i >= WARNINGS || {
+                    console.warn(warning);
+                    false
+                }
+            })
+            .count();
+        if more > 0 {
+            console.warn(&format!("{more} more warnings are not shown"));
+        }
+    }
+    errors.iter().for_each(|error| eprintln!("rparse: {error}"));
+    if errors.is_empty() { Answer::Yes } else { Answer::No }
+}

@@ -1,0 +1,276 @@
+//! rparse as a program and the rooms behind it: round trips, recorded answers of RADIANCE's programs, and RADIANCE itself over many
+//! real files where both are there.
+
+use inverad::error::Source;
+use inverad::expand::{Flat, expand};
+use inverad::rad::{Document, Primitive};
+use inverad::resolve::Files;
+use proptest::prelude::*;
+use rayon::prelude::*;
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+
+/// Runs rparse in `directory` with these arguments, and `input` on its standard input: status, output, what was said.
+fn rparse(directory: &Path, arguments: &[&str], input: &[u8]) -> (i32, Vec<u8>, String) {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_rparse"));
+    let output = run(command.args(arguments).current_dir(directory).env_remove("RAD_COMMANDS"), input);
+    (output.status.code().unwrap(), output.stdout, String::from_utf8_lossy(&output.stderr).into_owned())
+}
+
+fn run(command: &mut Command, input: &[u8]) -> Output {
+    let mut child = command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let mut stdin = child.stdin.take().unwrap();
+    std::thread::scope(|scope| {
+        scope.spawn(move || stdin.write_all(input));
+        child.wait_with_output().unwrap()
+    })
+}
+
+/// What rparse prints on a text that it has nothing to say about.
+fn printed(arguments: &[&str], input: &str) -> String {
+    let (status, output, said) = rparse(Path::new("."), arguments, input.as_bytes());
+    assert_eq!((status, said.as_str()), (0, ""), "{arguments:?} {input}");
+    String::from_utf8(output).unwrap()
+}
+
+const SCENE: &str = "# A red ball.\nvoid plastic red\n0\n0\n5  .7 .1 .1   .05 .1  # dull\n\nvoid metal unused 0 0 5 1 1 1 1 0\n\
+                     red sphere 'the ball'\n0 0 4 0 0 1e-3 1\n!xform -n up -t 0 0 2 /dev/null\n";
+
+#[test]
+fn a_scene_is_printed_flat_and_canonical() {
+    let scene = "void alias a b\n!echo 'm sphere \"a b\" 0 0 4 1 2 3 4' | xform -n up -s .5\nm polygon p 0 0 9 0 0 0 1 0 0 0 1 0\n#@probe 1 2 3 sky";
+    let flat = "void alias a b\n\nm sphere \"up.a b\"\n0\n0\n4 0.5 1 1.5 2\n\nm polygon p\n0\n0\n9\n  0 0 0\n  1 0 0\n  0 1 0\n\n#@probe 1 2 3 sky\n";
+    assert_eq!(printed(&[], scene), flat);
+    assert_eq!(printed(&["-"], flat), flat);
+}
+
+#[test]
+fn keep_changes_nothing_but_what_is_set() {
+    assert_eq!(printed(&["--keep"], SCENE), SCENE);
+    assert_eq!(
+        printed(&["--keep", "--set", "red:rough=0.25", "--set", "red:a1=1"], SCENE),
+        SCENE.replace(".7", "1").replace(".1  #", "0.25  #")
+    );
+    let bytes = b"# caf\xe9\r\n\tvoid glow 'g' 0 0 4 1 1 1 0\r\n";
+    let (status, output, _) = rparse(Path::new("."), &["--keep"], bytes);
+    assert_eq!((status, output.as_slice()), (0, &bytes[..]));
+    let (status, _, said) = rparse(Path::new("."), &["--keep", "--set", "blue:rough=1"], SCENE.as_bytes());
+    assert_eq!((status, said.as_str()), (2, "rparse: error: no modifier is called `blue`\n"));
+    assert_eq!(rparse(Path::new("."), &["--set", "red:rough=1"], SCENE.as_bytes()).0, 2);
+}
+
+#[test]
+fn materials_are_those_that_surfaces_use() {
+    let scene = "void plastic b 0 0 5 1 1 1 0 0 void brightfunc f 2 x . 0 0 f metal m 0 0 5 1 1 1 1 0 void plastic c 0 0 5 1 1 1 0 0\n\
+                 void mixfunc mix 4 b m .5 . 0 0 mix sphere s 0 0 4 0 0 0 1";
+    let names: Vec<String> =
+        printed(&["--materials"], scene).split("\n\n").filter_map(|p| p.split_whitespace().nth(2).map(String::from)).collect();
+    assert_eq!(names, ["b", "f", "m", "mix"]);
+}
+
+#[test]
+fn json_has_a_line_for_each_primitive() {
+    let line = r#"{"file":"<stdin>","line":2,"modifier":"red","type":"ring","id":"r","sargs":["s"],"iargs":[],"fargs":[1.0,2.5]}"#;
+    assert_eq!(printed(&["--json"], "# ring\nred ring r 1 s 0 2 1 2.5"), format!("{line}\n"));
+}
+
+#[test]
+fn a_check_finds_every_problem_in_one_run() {
+    let wrong = "void plastic a 0 0 5 1 1 1 0 x\nb sphere s 0 0 4 0 0 0 1\nvoid sphere t 0 0 3 0 0 1\n!frobnicate\n";
+    let (status, output, said) = rparse(Path::new("."), &["--check"], wrong.as_bytes());
+    assert_eq!((status, output.len()), (1, 0));
+    let places: Vec<&str> = said.lines().filter_map(|l| l.strip_prefix("rparse: <stdin>:")?.split(": error:").next()).collect();
+    assert_eq!(places, ["1:30", "4:1", "2:1", "3:6"], "{said}");
+    let (status, output, said) = rparse(Path::new("."), &["--check"], SCENE.as_bytes());
+    assert_eq!((status, output.len()), (0, 0), "{said}");
+    assert!(said.starts_with("rparse: warning: <stdin>:10:1: the command printed no primitive"), "{said}");
+}
+
+#[test]
+fn commands_run_only_when_allowed() {
+    let directory = tempfile::tempdir().unwrap();
+    let scene = b"!touch pwned\n!echo void plastic p 0 0 0\n";
+    for denied in [&[][..], &["--commands", "deny"], &["--check"]] {
+        let (status, _, said) = rparse(directory.path(), denied, scene);
+        assert!(status > 0 && said.contains("<stdin>:1:1: error: ") && said.contains("--commands allow"), "{said}");
+        assert!(!directory.path().join("pwned").exists());
+    }
+    let (status, output, _) = rparse(directory.path(), &["--commands", "allow"], scene);
+    assert_eq!((status, output.as_slice()), (0, &b"void plastic p\n0\n0\n0\n\n"[..]));
+    assert!(directory.path().join("pwned").exists());
+    assert_eq!(rparse(directory.path(), &["--commands", "deny"], b"!echo void plastic p 0 0 0\n").0, 2);
+}
+
+#[test]
+fn stats_say_what_rendering_requires() {
+    let stats = printed(&["--stats"], &SCENE.replace("!xform -n up -t 0 0 2 /dev/null\n", ""));
+    assert!(stats.contains("requires     spheres, glossy reflection\n") && !stats.contains("unsupported"), "{stats}");
+}
+
+// --- round trips ---
+
+/// A statement with random white space, quotes and numbers as people write them.
+fn statement() -> impl Strategy<Value = String> {
+    let space = "[ \t\r\n]{1,3}";
+    let word = "[a-zA-Z0-9_.é]{1,8}|\"[a-z '#]{0,6}\"|'[a-z\"!]{0,6}'|[a-z]\"[a-z ]{0,3}\"[a-z]";
+    let number = "[+-]?[0-9]{1,4}(\\.[0-9]{0,9})?(e[+-]?[0-9]{1,2})?";
+    let primitive =
+        (word, "plastic|metal|polygon|glow|texfunc", word, prop::collection::vec(word, 0..4), prop::collection::vec(number, 0..9), space)
+            .prop_map(|(modifier, kind, name, strings, reals, space)| {
+                let mut words = vec![format!("m{modifier}"), kind, name, strings.len().to_string()];
+                words.extend(strings);
+                words.extend(["0".into(), reals.len().to_string()]);
+                words.extend(reals);
+                words.join(&space)
+            });
+    let alias = (word, word, word).prop_map(|(a, b, c)| format!("m{a} alias {b} {c}"));
+    prop_oneof![6 => primitive, 1 => alias, 1 => "#[ -~é]{0,20}\r?\n", 1 => "![a-z |]{0,20}(\\\\\n[a-z]{0,5})?\n", 1 => "[ \t\n]{0,4}"]
+}
+
+/// All that a primitive says.
+fn content(p: &Primitive) -> (&str, &str, &str, &[String], &[f64]) {
+    (&p.modifier, &p.kind, &p.name, &p.strings, &p.reals)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn what_is_read_is_printed_byte_for_byte_and_canonical_text_reads_the_same(statements in prop::collection::vec(statement(), 0..12)) {
+        let text = statements.join("\n");
+        let document = Document::parse(Source::new("t.rad", text.as_str())).unwrap();
+        prop_assert_eq!(document.bytes(), text.as_bytes());
+        let primitives: Vec<Primitive> = document.primitives().cloned().collect();
+        let flat = Flat { primitives, ..Flat::default() };
+        let again = Document::parse(Source::new("again.rad", flat.to_string())).unwrap();
+        prop_assert_eq!(again.primitives().map(content).collect::<Vec<_>>(), flat.primitives.iter().map(content).collect::<Vec<_>>());
+        let flat_again = Flat { primitives: again.primitives().cloned().collect(), ..Flat::default() };
+        prop_assert_eq!(flat_again.to_string(), flat.to_string());
+    }
+}
+
+// --- RADIANCE's own answers ---
+
+/// Whether a primitive is the recorded or printed `theirs`, numbers to their printed digits; `size` is that of the scene's numbers.
+fn agrees(ours: &Primitive, theirs: &Primitive, size: f64) -> bool {
+    // xform prints 12 digits, and 6 of a medium's numbers.
+    let digits = if matches!(theirs.kind.as_str(), "dielectric" | "interface" | "mist") { 2e-6 } else { 2e-11 };
+    let same = |(a, b): (&f64, &f64)| (a - b).abs() <= digits * a.abs().max(size);
+    let (a, b) = (content(ours), content(theirs));
+    (a.0, a.1, a.2, a.3, a.4.len()) == (b.0, b.1, b.2, b.3, b.4.len()) && a.4.iter().zip(b.4).all(same)
+}
+
+/// What differs first between two lists of primitives.
+fn difference(ours: &[Primitive], theirs: &[Primitive]) -> Option<String> {
+    if ours.len() != theirs.len() {
+        return Some(format!("{} primitives instead of {}", ours.len(), theirs.len()));
+    }
+    let wrong = ours.iter().zip(theirs).find(|(a, b)| {
+        let size = a.reals.iter().fold(1.0, |size: f64, x| size.max(x.abs()));
+        !agrees(a, b, size)
+    });
+    wrong.map(|(a, b)| format!("{a} instead of {b}").split_whitespace().collect::<Vec<_>>().join(" "))
+}
+
+fn primitives(text: &str) -> Vec<Primitive> {
+    Document::parse(Source::new("theirs", text)).unwrap().primitives().cloned().collect()
+}
+
+#[test]
+fn recorded_answers_of_xform_and_the_generators_are_met() {
+    let files = Files::of([
+        ("parts.rad", &include_bytes!("rparse/parts.rad")[..]),
+        ("moves.txt", include_bytes!("rparse/moves.txt")),
+        ("part/b.rad", include_bytes!("rparse/part/b.rad")),
+        ("part/c.rad", include_bytes!("rparse/part/c.rad")),
+    ]);
+    let cases: Vec<&str> = include_str!("rparse/recorded.txt").split("\n$ ").skip(1).collect();
+    assert!(cases.len() > 40);
+    for case in cases {
+        let (command, theirs) = case.split_once('\n').unwrap();
+        let document = Document::parse(Source::new("scene.rad", format!("!{command}"))).unwrap();
+        let flat = expand(vec![document], &files).unwrap();
+        assert_eq!(difference(&flat.primitives, &primitives(theirs)), None, "{command}: {:?}", flat.warnings);
+    }
+}
+
+/// The directory of real scene files, if it is there.
+fn corpus() -> Option<PathBuf> {
+    let shared = std::env::var_os("INVERAD_SHARED").map_or(Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared"), PathBuf::from);
+    Some(shared.join("corpus")).filter(|path| path.is_dir())
+}
+
+fn scene_files(directory: &Path, found: &mut Vec<PathBuf>) {
+    for entry in fs::read_dir(directory).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            scene_files(&path, found);
+        } else if path.extension().is_some_and(|e| e == "rad" || e == "mat" || e == "sky") {
+            found.push(path);
+        }
+    }
+}
+
+/// What comparing one file came to.
+enum Verdict {
+    Agrees,
+    Differs(String),
+    /// oconv refuses it, and so does `rparse --check`.
+    Refused,
+    /// oconv refuses it, but `rparse --check` does not, or not in the right way.
+    Missed(String),
+}
+
+/// Compares rparse with RADIANCE's programs on one file, alone in its directory.
+fn compare(path: &Path) -> Verdict {
+    let (directory, name) = (path.parent().unwrap(), path.file_name().unwrap().to_str().unwrap());
+    let radiance = |program: &str, argument: &[&str], input: &[u8]| run(Command::new(program).args(argument).current_dir(directory), input);
+    let oconv = radiance("oconv", &[name], b"");
+    if !oconv.status.success() {
+        let (status, _, said) = rparse(directory, &["--check", name], b"");
+        let placed =
+            said.lines().any(|line| line.contains(": error: ") && line.split(':').nth(2).is_some_and(|n| n.parse::<usize>().is_ok()));
+        return if status == 1 && placed { Verdict::Refused } else { Verdict::Missed(format!("status {status}: {said}")) };
+    }
+    let (status, ours, said) = rparse(directory, &[name], b"");
+    if status != 0 {
+        return Verdict::Differs(said);
+    }
+    let theirs = radiance("xform", &["-e", name], b"").stdout;
+    let read = |bytes: Vec<u8>| Document::read("printed", bytes).map(|d| d.primitives().cloned().collect::<Vec<_>>());
+    let wrong = match (read(ours.clone()), read(theirs)) {
+        (Ok(ours), Ok(theirs)) => difference(&ours, &theirs),
+        (Err(error), _) | (_, Err(error)) => Some(error.to_string()),
+    };
+    let refused =
+        || Some(radiance("oconv", &["-"], &ours)).filter(|o| !o.status.success()).map(|o| String::from_utf8_lossy(&o.stderr).into_owned());
+    wrong.or_else(refused).map_or(Verdict::Agrees, Verdict::Differs)
+}
+
+#[test]
+fn real_files_are_read_as_radiance_reads_them() {
+    let Some(corpus) = corpus() else { return eprintln!("skipped: no corpus of scene files (INVERAD_SHARED, ../shared)") };
+    if ["oconv", "xform"].iter().any(|program| Command::new(program).stdin(Stdio::null()).output().is_err()) {
+        return eprintln!("skipped: oconv and xform are not on PATH");
+    }
+    let mut files = Vec::new();
+    scene_files(&corpus, &mut files);
+    files.sort();
+    let verdicts: Vec<(&PathBuf, Verdict)> = files.par_iter().map(|path| (path, compare(path))).collect();
+    let count = |wanted: fn(&Verdict) -> bool| verdicts.iter().filter(|(_, v)| wanted(v)).count();
+    let (agree, differ) = (count(|v| matches!(v, Verdict::Agrees)), count(|v| matches!(v, Verdict::Differs(_))));
+    let (refused, missed) = (count(|v| matches!(v, Verdict::Refused)), count(|v| matches!(v, Verdict::Missed(_))));
+    for (path, verdict) in &verdicts {
+        if let Verdict::Differs(why) | Verdict::Missed(why) = verdict {
+            eprintln!("{}: {}", path.strip_prefix(&corpus).unwrap().display(), why.lines().next().unwrap_or(""));
+        }
+    }
+    eprintln!(
+        "of {} files that oconv accepts, {agree} agree with xform -e; of {} that it refuses, {refused} are explained",
+        agree + differ,
+        refused + missed
+    );
+    assert!(agree * 100 >= (agree + differ) * 99 && missed == 0);
+}
