@@ -237,6 +237,11 @@ impl Accel {
         self.dropped
     }
 
+    /// How much memory the tree takes, without the meshes it was built from and without other trees in it.
+    pub fn bytes(&self) -> usize {
+        self.tree.bytes()
+    }
+
     /// The nearest hit where several are near each other: all decisions in double precision.
     #[cold]
     fn settle(&self, ray: &Ray, t_min: f64, t_max: f64) -> Option<Hit> {

@@ -3,7 +3,7 @@
 use super::binary::Binary;
 use super::body::{Body, Instance, Placed};
 use super::collapse::collapse;
-use super::tree::{SINGLE, Space};
+use super::tree::{SINGLE, Space, single};
 use super::{Accel, Geometry, LEVELS, Surface};
 use crate::error::{Error, Result};
 use crate::geometry::{Bounds, Mesh, tolerance};
@@ -164,11 +164,6 @@ fn moved(bounds: Bounds, affine: &Affine) -> Bounds {
 fn place(mesh: Arc<Mesh>, affine: Affine) -> Placed {
     let moved = (affine != Affine::IDENTITY).then(|| mesh.positions.par_iter().map(|&p| affine.transform_point3(p)).collect());
     Placed { mesh, moved, mirrored: affine.matrix3.determinant() < 0.0 }
-}
-
-/// A point in single precision.
-fn single(p: Vec3) -> [f32; 3] {
-    p.to_array().map(|x| x as f32)
 }
 
 /// Whether a point is one that can be computed with.

@@ -16,8 +16,10 @@ const NODE: f32 = 1.0;
 const BLOCK: f32 = 0.9;
 /// Cost of a primitive other than a triangle.
 const OTHER: f32 = 0.9;
-/// By how much the boxes are larger than what is in them: more than twice what rounding can shift an origin within the tree's cube.
-const MARGIN: f32 = f32::EPSILON;
+/// By how much the boxes are larger than what is in them: more than what rounding moves a ray within the tree's cube. The origin, the bounds
+/// and the corners are rounded at magnitudes up to ½, the direction at distances below √3; a few roundings each make a bound and a
+/// triangle's edge (after Ize 2013, "Robust BVH Ray Traversal", whose error grows with the distance instead).
+const MARGIN: f32 = 16.0 * f32::EPSILON;
 /// Blocks in a leaf at most.
 const BLOCKS: u32 = 2;
 /// Subtrees smaller than this are not worth a thread.

@@ -47,10 +47,9 @@ impl Tree {
     fn corners(&self, slot: u32) -> [Vec3; 3] {
         let (block, lane) = (&self.blocks[(slot >> 3) as usize], (slot & 7) as usize);
         let detail = &self.details[block.first as usize + lane];
-        [0, 1, 2].map(|v| {
-            let exact = |axis: usize| f64::from(block.corners[v][axis].as_array()[lane]) + f64::from(detail.residue[v][axis]);
-            Vec3::new(exact(0), exact(1), exact(2))
-        })
+        let exact = |v: usize, axis: usize| f64::from(block.corners[v][axis].as_array()[lane]) + f64::from(detail.residue[v][axis]);
+        let corner = |v: usize| Vec3::new(exact(v, 0), exact(v, 1), exact(v, 2));
+        [corner(0), corner(1), corner(2)]
     }
 
     /// How the probe meets the triangle in a slot, which it is known to hit at about the distance `near`; at a point of the triangle in any
@@ -61,7 +60,7 @@ impl Tree {
         // Seen from a point of the ray near the triangle no digits are lost, however far the ray has come.
         let near = f64::from(near);
         let from = probe.exact_origin + probe.direction * near;
-        let [a, b, c] = corners.map(|p| p - from);
+        let (a, b, c) = (corners[0] - from, corners[1] - from, corners[2] - from);
         let d = probe.direction;
         // The ray against the three edges (Plücker).
         let volumes = Vec3::new(d.dot(c.cross(b)), d.dot(a.cross(c)), d.dot(b.cross(a)));

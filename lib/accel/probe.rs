@@ -1,6 +1,6 @@
 //! A ray made ready for the tree: moved up to it, in its coordinates, with the shear of the watertight triangle test.
 
-use super::tree::{Block, Space};
+use super::tree::{Block, Space, single};
 use crate::geometry::Ray;
 use crate::vector::Vec3;
 use wide::f32x8;
@@ -9,12 +9,9 @@ use wide::f32x8;
 /// the corners and the origin are rounded at magnitudes up to ½, the direction and the test's own arithmetic at the distance.
 const ERROR: f32 = 2.0 * f32::EPSILON;
 /// How far before its range a probe starts, so that no hit at the range's begin is lost to rounding.
-const LEAD: f32 = 1.0 / 65536.0;
+pub(super) const LEAD: f32 = 1.0 / 65536.0;
 /// What the uncertainty of a distance is at most taken for: a ray that runs within a millionth of a triangle's plane is not worth more.
 const WORST: f32 = 1.0 / 64.0;
-
-/// The axes of the sheared space, by which component of the direction is the largest: two others, and that.
-static AXES: [[u8; 3]; 4] = [[1, 2, 0], [2, 0, 1], [0, 1, 2], [0, 1, 2]];
 
 /// Which lanes of a block are hit.
 pub(super) struct Lanes {
@@ -40,8 +37,8 @@ pub(super) struct Probe {
     center: Vec3,
     /// One over the direction, finite.
     pub inverse: [f32; 3],
-    /// Whether the direction is negative, per axis.
-    pub negative: [bool; 3],
+    /// Whether the direction is negative, per axis: 0 or 1.
+    pub negative: [usize; 3],
     /// The far end of the range, and a little more.
     pub limit: f32,
     /// The near end.
@@ -53,7 +50,7 @@ pub(super) struct Probe {
     /// World distance per unit of this one's.
     unit: f64,
     /// Axes: two others, and the one the direction is longest along.
-    axes: [u8; 3],
+    axes: [usize; 3],
     /// The shear that makes the ray the third axis (Woop et al. 2013, "Watertight Ray/Triangle Intersection").
     shear: [f32; 3],
 }
@@ -64,40 +61,30 @@ impl Probe {
     pub fn new(space: &Space, ray: &Ray, t_min: f64, t_max: f64) -> Option<Self> {
         let unit = space.unit;
         let lead = f64::from(LEAD) * unit;
-        let mut start = t_min;
-        let at = ray.at(start);
-        let bounds = &space.bounds;
-        if !bounds.contains(at) {
-            // Clip to the bounds, a little grown.
-            let mut end = t_max;
-            for axis in 0..3 {
-                let (o, d) = (ray.origin[axis], ray.direction[axis]);
-                let (low, high) = (bounds.min[axis] - lead, bounds.max[axis] + lead);
-                if d == 0.0 {
-                    if o < low || o > high {
-                        return None;
-                    }
-                } else {
-                    let (a, b) = ((low - o) / d, (high - o) / d);
-                    start = start.max(a.min(b));
-                    end = end.min(a.max(b));
-                }
-            }
-            if start > end + lead {
-                return None;
-            }
+        let (o, d) = (ray.origin.to_array(), ray.direction.to_array());
+        // A huge number stands for infinity, without ever making 0 · ∞: boxes are padded.
+        let invert = |d: f64| 1.0 / if d.abs() < 1e-18 { 1e-18f64.copysign(d) } else { d };
+        let inverse = [invert(d[0]), invert(d[1]), invert(d[2])];
+        // Clip to the bounds, a little grown.
+        let (mut start, mut end) = (t_min, t_max);
+        for axis in 0..3 {
+            let a = (space.low[axis] - o[axis]) * inverse[axis];
+            let b = (space.high[axis] - o[axis]) * inverse[axis];
+            let (near, far) = if a < b { (a, b) } else { (b, a) };
+            start = if near > start { near } else { start };
+            end = if far < end { far } else { end };
+        }
+        if start > end + lead {
+            return None;
         }
         start -= lead;
         let exact_origin = space.local(ray.at(start));
-        let origin = exact_origin.to_array().map(|x| x as f32);
-        let d = ray.direction.to_array().map(|d| d as f32);
-        let a = d.map(f32::abs);
-        // Which component is largest is anyone's guess: no branches.
-        let y = usize::from(a[1] > a[0]);
-        let axes = AXES[y + usize::from(a[2] > a[0].max(a[1])) * 2];
-        // Boxes are padded, so a huge number stands for infinity without ever making 0 · ∞.
-        let inverse = d.map(|d| 1.0 / if d.abs() < 1e-18 { 1e-18f32.copysign(d) } else { d });
-        let [i, j, k] = axes.map(usize::from);
+        let origin = single(exact_origin);
+        // The longest axis.
+        let (x, y, z) = (d[0].abs(), d[1].abs(), d[2].abs());
+        let k = if z > x && z > y { 2 } else { usize::from(y > x) };
+        let i = if k == 2 { 0 } else { k + 1 };
+        let j = 3 - k - i;
         let depth = inverse[k];
         let reach = ((t_max - start) * space.scale) as f32;
         Some(Self {
@@ -105,15 +92,15 @@ impl Probe {
             exact_origin,
             direction: ray.direction,
             center: space.center,
-            inverse,
-            negative: d.map(f32::is_sign_negative),
+            inverse: [inverse[0] as f32, inverse[1] as f32, inverse[2] as f32],
+            negative: [usize::from(d[0].is_sign_negative()), usize::from(d[1].is_sign_negative()), usize::from(d[2].is_sign_negative())],
             limit: reach + LEAD,
             from: ((t_min - start) * space.scale) as f32,
             to: reach,
             start,
             unit,
-            axes,
-            shear: [d[i] * depth, d[j] * depth, depth],
+            axes: [i, j, k],
+            shear: [(d[i] * depth) as f32, (d[j] * depth) as f32, depth as f32],
         })
     }
 
@@ -151,7 +138,7 @@ impl Probe {
     /// on are not hit; no ray passes between triangles that share an edge or a vertex (Woop et al. 2013).
     #[inline(always)]
     pub fn test(&self, block: &Block, limit: f32) -> Lanes {
-        let [i, j, k] = self.axes.map(usize::from);
+        let [i, j, k] = self.axes;
         let origin = [i, j, k].map(|axis| f32x8::splat(self.origin[axis]));
         let shear = self.shear.map(f32x8::splat);
         let corner = |v: usize| {

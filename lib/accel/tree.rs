@@ -3,7 +3,7 @@
 //! Everything in it is single precision, in a cube of size one round the origin; see [`Space`].
 
 use super::exact::Detail;
-use super::probe::Probe;
+use super::probe::{LEAD, Probe};
 use crate::geometry::Bounds;
 use crate::vector::Vec3;
 use wide::f32x8;
@@ -26,6 +26,10 @@ pub(super) struct Space {
     pub unit: f64,
     /// The world bounds of all there is.
     pub bounds: Bounds,
+    /// Smallest coordinates of those bounds, a little grown.
+    pub low: Vec3,
+    /// Largest coordinates.
+    pub high: Vec3,
 }
 
 impl Space {
@@ -33,7 +37,9 @@ impl Space {
     pub fn new(bounds: Bounds) -> Self {
         let exponent = if bounds.is_empty() { 0.0 } else { bounds.size().log2().ceil().clamp(-900.0, 900.0) };
         let center = if bounds.is_empty() { Vec3::ZERO } else { bounds.center() };
-        Self { center, scale: (-exponent).exp2(), unit: exponent.exp2(), bounds }
+        let unit = exponent.exp2();
+        let grown = bounds.grow(f64::from(LEAD) * unit);
+        Self { center, scale: (-exponent).exp2(), unit, bounds, low: grown.min, high: grown.max }
     }
 
     /// A world point in the tree's own coordinates.
@@ -41,6 +47,12 @@ impl Space {
     pub fn local(&self, p: Vec3) -> Vec3 {
         (p - self.center) * self.scale
     }
+}
+
+/// A point in single precision.
+#[inline(always)]
+pub(super) fn single(p: Vec3) -> [f32; 3] {
+    [p.x as f32, p.y as f32, p.z as f32]
 }
 
 /// Eight boxes and what is in them.
@@ -81,39 +93,48 @@ const STACK: usize = 32;
 
 impl Tree {
     /// Visits the leaves whose boxes the probe passes before `limit`, near ones first if `ORDERED`. `leaf` gets the leaf's number and the
-    /// limit and returns the new limit; a negative one ends the walk.
+    /// limit and returns the new limit, which only counts if `ORDERED`; a negative one ends the walk.
     #[inline(always)]
     pub fn walk<const ORDERED: bool>(&self, probe: &Probe, mut limit: f32, mut leaf: impl FnMut(u32, f32) -> f32) {
         let Some(mut current) = self.root else { return };
         let mut stack = [0u64; STACK];
         let mut spilled: Vec<u64> = Vec::new();
         let mut top = 0;
-        // A few roundings make each bound, and the triangle test a few more: the boxes have a margin for those that grow with the origin,
-        // widening the far bounds allows for those that grow with the distance (Ize 2013, "Robust BVH Ray Traversal").
         let inverse = probe.inverse.map(f32x8::splat);
         let shift = [0, 1, 2].map(|axis| f32x8::splat(probe.origin[axis] * probe.inverse[axis]));
-        let wider = inverse.map(|x| x * f32x8::splat(1.0 + 8.0 * f32::EPSILON));
-        let wider_shift = [0, 1, 2].map(|axis| f32x8::splat(probe.origin[axis]) * wider[axis]);
-        let [first, second, third] = probe.negative.map(usize::from);
+        let [first, second, third] = probe.negative;
+        let rest = |mask: u32| mask & mask.wrapping_sub(1);
         loop {
             if current & LEAF == 0 {
                 let node = &self.nodes[current as usize];
-                let near = |axis: usize, side: usize| node.bounds[axis][side].mul_sub(inverse[axis], shift[axis]);
-                let far = |axis: usize, side: usize| node.bounds[axis][side].mul_sub(wider[axis], wider_shift[axis]);
-                let (near_x, near_y, near_z) = (near(0, first), near(1, second), near(2, third));
-                let (far_x, far_y, far_z) = (far(0, first ^ 1), far(1, second ^ 1), far(2, third ^ 1));
-                let near = near_x.fast_max(near_y).fast_max(near_z.fast_max(f32x8::ZERO));
-                let far = far_x.fast_min(far_y).fast_min(far_z.fast_min(f32x8::splat(limit)));
+                // What is rounded here and in the triangle test, the boxes have a margin for.
+                let slab = |axis: usize, side: usize| node.bounds[axis][side].mul_sub(inverse[axis], shift[axis]);
+                let near = slab(0, first).fast_max(slab(1, second)).fast_max(slab(2, third).fast_max(f32x8::ZERO));
+                let far = slab(0, first ^ 1).fast_min(slab(1, second ^ 1)).fast_min(slab(2, third ^ 1).fast_min(f32x8::splat(limit)));
                 let first_of = near.simd_le(far).to_bitmask();
                 if first_of != 0 {
-                    // Go on with the nearest child and stack the others, the farthest first. Two or three, if there is more than one, are
-                    // placed without branches, an absent one being farther than any.
-                    let rest = |mask: u32| mask & mask.wrapping_sub(1);
                     let second_of = rest(first_of);
                     if second_of == 0 {
                         current = node.child[(first_of.trailing_zeros() & 7) as usize];
                         continue;
                     }
+                    if top > STACK - 8 {
+                        spilled.extend_from_slice(&stack[..top]);
+                        top = 0;
+                    }
+                    if !ORDERED {
+                        let mut more = first_of;
+                        while more != 0 {
+                            stack[top % STACK] = u64::from(node.child[(more.trailing_zeros() & 7) as usize]);
+                            top += 1;
+                            more = rest(more);
+                        }
+                        top -= 1;
+                        current = stack[top % STACK] as u32;
+                        continue;
+                    }
+                    // Go on with the nearest child and stack the others, the farthest first. Two or three are placed without branches, an
+                    // absent one being farther than any.
                     let near = near.to_array();
                     let entry = |mask: u32| {
                         let lane = (mask.trailing_zeros() & 7) as usize;
@@ -126,10 +147,6 @@ impl Tree {
                     let (a, b) = (a.min(b), a.max(b));
                     let (b, c) = (b.min(c), b.max(c));
                     let (mut a, b) = (a.min(b), a.max(b));
-                    if top > STACK - 8 {
-                        spilled.extend_from_slice(&stack[..top]);
-                        top = 0;
-                    }
                     let base = top;
                     stack[top % STACK] = c;
                     top += usize::from(third_of != 0);
@@ -141,7 +158,7 @@ impl Tree {
                         let next = a.max(d);
                         a = a.min(d);
                         let mut place = top;
-                        while ORDERED && place > base && stack[(place - 1) % STACK] < next {
+                        while place > base && stack[(place - 1) % STACK] < next {
                             stack[place % STACK] = stack[(place - 1) % STACK];
                             place -= 1;
                         }
@@ -175,6 +192,11 @@ impl Tree {
                 }
             }
         }
+    }
+
+    /// How much memory it takes.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&self.nodes[..]) + size_of_val(&self.blocks[..]) + size_of_val(&self.details[..])
     }
 
     /// The blocks of a leaf of triangles, with their numbers.
