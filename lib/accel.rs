@@ -12,7 +12,7 @@ mod exact;
 mod probe;
 mod tree;
 
-use crate::geometry::{Bounds, Mesh, Ray, Shape};
+use crate::geometry::{Bounds, LEVELS, Mesh, Ray, Shape};
 use crate::vector::{Affine, Vec3};
 use body::Body;
 use probe::Probe;
@@ -68,9 +68,6 @@ pub struct Accel {
     dropped: usize,
     depth: usize,
 }
-
-/// Groups may stand in groups so many levels deep.
-pub const LEVELS: usize = 8;
 
 /// The surfaces inside groups that lead to a hit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -6,13 +6,16 @@
 pub mod lobe;
 pub mod smooth;
 
-use crate::color::Rgb;
-use crate::material::{AIR, Inside, Material, PURE, Reflectance};
+use crate::color::{Rgb, bright};
+use crate::material::{Ashikhmin, FunctionMaterial, Inside, Material, PURE, Reflectance};
+use crate::pattern::{At, Functions, Seen};
 use crate::rules::Rules;
 use crate::sampling::{Sampler, cosine_hemisphere};
 use crate::vector::{Frame, Vec3};
-use lobe::{fresnel, reflection, reflection_pdf, sample_reflection, sample_transmission, transmission, transmission_pdf};
+use lobe::{fresnel, power_reflection, reflection, reflection_pdf, sample_power, sample_reflection, schlick};
+use lobe::{sample_transmission, transmission, transmission_pdf};
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 /// Specularity from which a polished surface has a Fresnel term.
 const FRESNEL_FROM: f64 = 0.017999;
@@ -78,17 +81,41 @@ pub struct Point {
     pub flat: bool,
     /// World direction of the first tangent of an anisotropic lobe; any length, zero where it does not matter.
     pub orientation: Vec3,
+    /// Whether the perturbation bends light that goes straight through.
+    pub bends: bool,
 }
 
-/// A rough lobe: its colour and the squares of its two roughnesses.
+/// A rough lobe: its colour and its two roughnesses.
 #[derive(Clone, Copy, Debug)]
 pub struct Lobe {
     /// Fraction of the light in it, per channel.
     pub color: Rgb,
-    /// Squared roughness along the first and second tangent.
+    /// Which shape it has.
+    pub form: Form,
+    /// Squared roughness along the first and second tangent; of a power lobe, the powers.
     pub alpha: [f64; 2],
     /// Whether it takes part in gathering indirect light (if not, its colour has joined the diffuse part).
     pub gathers: bool,
+}
+
+/// The shapes of lobes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Form {
+    /// Ward's Gaussian of slopes.
+    Gaussian,
+    /// Ashikhmin and Shirley's power of cosines. RADIANCE gathers indirect light with samples of it that all count alike.
+    Power,
+}
+
+/// What becomes of the diffuse part toward a light source.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Loss {
+    /// Nothing.
+    None,
+    /// Part of the light is reflected by a polished surface.
+    Polished,
+    /// The same, as Schlick approximates it.
+    Schlick,
 }
 
 /// A direction that is scattered into alone: mirror reflection, refraction, straight transfer.
@@ -120,7 +147,11 @@ pub struct Bsdf {
     pub lobes: [Option<Lobe>; 2],
     /// Directions scattered into alone.
     pub deltas: [Option<Delta>; 2],
-    fresnel: bool,
+    loss: Loss,
+    /// Whether a texture bends the normal.
+    bent: bool,
+    /// How light sources are scattered by expressions.
+    functions: Option<Box<(Arc<Functions>, Seen)>>,
 }
 
 impl Bsdf {
@@ -128,18 +159,71 @@ impl Bsdf {
     pub fn new(material: &Material, point: &Point, pattern: Rgb, rules: &Rules) -> Self {
         match material {
             Material::Reflectance(m) => Self::reflectance(point, &Reflectance { color: m.color * pattern, ..*m }, rules),
-            Material::Dielectric(inside) => Self::interface(point, inside, &AIR, pattern, rules),
-            Material::Interface(inside, outside) => Self::interface(point, inside, outside, pattern, rules),
+            Material::Ashikhmin(m) => Self::ashikhmin(point, m, pattern, rules),
+            Material::Dielectric(inside) => Self::interface(point, inside, None, pattern, rules),
+            Material::Interface(inside, outside) => Self::interface(point, inside, Some(outside), pattern, rules),
             Material::Glass(glass) => Self::glass(point, glass, pattern),
             Material::Mirror(color) => {
                 let mut bsdf = Self::black(point);
                 if point.front {
-                    bsdf.deltas[0] = Some(Delta { direction: bsdf.mirror(), coefficient: *color * pattern, reflected: true, medium: None });
+                    bsdf.deltas[0] =
+                        Some(Delta { direction: bsdf.mirror(point), coefficient: *color * pattern, reflected: true, medium: None });
                 }
                 bsdf
             }
             Material::Light(_) | Material::Illum(_) | Material::Glow(..) | Material::Spotlight(..) => Self::black(point),
+            Material::Functions(_) | Material::Antimatter => Self::black(point),
         }
+    }
+
+    /// BRTDfunc at a hit (semantics 3.8): coefficients of the mirror direction and of the straight one, diffuse parts, a function for lamps.
+    pub fn functions(m: &FunctionMaterial, at: &At, point: &Point, pattern: Rgb) -> Self {
+        let mut bsdf = Self::black(point);
+        let seen = m.functions.seen(at, point.shading, bsdf.to_viewer.z, pattern);
+        let [reflected, straight] = m.functions.straight(&seen);
+        if straight != Rgb::ZERO {
+            let direction = if point.bends { (-point.to_viewer - point.perturbation).normalize() } else { -point.to_viewer };
+            bsdf.deltas[1] = Some(Delta { direction, coefficient: straight, reflected: false, medium: None });
+        }
+        if reflected != Rgb::ZERO {
+            let Vec3 { x, y, z } = bsdf.to_viewer;
+            let direction = bsdf.to_world(Vec3::new(-x, -y, z));
+            bsdf.deltas[0] = Some(Delta { direction, coefficient: reflected, reflected: true, medium: None });
+        }
+        bsdf.diffuse = [m.diffuse[!point.front as usize] * pattern, m.through * pattern];
+        bsdf.gather_diffuse(point);
+        if m.functions.scatters() {
+            bsdf.functions = Some(Box::new((m.functions.clone(), seen)));
+        }
+        bsdf
+    }
+
+    /// ashik2 (semantics 3.5). RADIANCE leaves out the Fresnel term of the diffuse part where it gathers indirect light.
+    fn ashikhmin(point: &Point, m: &Ashikhmin, pattern: Rgb, rules: &Rules) -> Self {
+        let mut bsdf = Self::black(point);
+        bsdf.diffuse[0] = m.diffuse * pattern;
+        bsdf.loss = Loss::Schlick;
+        bsdf.gather_diffuse(point);
+        if m.specular.max_element() > 1e-6 {
+            let color = m.specular + (Rgb::ONE - m.specular) * schlick(bsdf.to_viewer.z.max(0.001));
+            let alpha = bsdf.orient(point, m.powers, |[u, v]| {
+                let mean = 2.0 / (1.0 / (u + 1e-5) + 1.0 / (v + 1e-5));
+                [mean, mean]
+            });
+            let gathers = bright(m.specular) - 1e-6 > rules.specular_threshold || rules.specular_threshold == 0.0;
+            bsdf.lobes[0] = Some(Lobe { color, form: Form::Power, alpha, gathers });
+            if !gathers {
+                bsdf.ambient[0] += color;
+            }
+        }
+        bsdf
+    }
+
+    /// Lets indirect light be scattered by the diffuse parts. A tilted shading normal must not lose light: the cosine lobe cut by the geometric
+    /// horizon keeps (1 + cos)/2 of itself.
+    fn gather_diffuse(&mut self, point: &Point) {
+        let kept = if self.bent { (0.5 * (1.0 + point.shading.dot(point.geometric))).max(0.5) } else { 1.0 };
+        self.ambient = self.diffuse.map(|c| c / kept);
     }
 
     /// Nothing is scattered: where lights and voids are.
@@ -155,7 +239,9 @@ impl Bsdf {
             ambient: [Rgb::ZERO; 2],
             lobes: [None; 2],
             deltas: [None; 2],
-            fresnel: false,
+            loss: Loss::None,
+            bent: point.perturbation != Vec3::ZERO,
+            functions: None,
         }
     }
 
@@ -164,8 +250,8 @@ impl Bsdf {
         let mut bsdf = Self::black(point);
         let cos = bsdf.to_viewer.z.max(0.001);
         let pure = m.isotropic && m.roughness[0].abs() <= PURE;
-        bsdf.fresnel = pure && m.specularity >= FRESNEL_FROM;
-        let f = if bsdf.fresnel { fresnel(cos, rules.fresnel_offset) } else { 0.0 };
+        let polished = pure && m.specularity >= FRESNEL_FROM;
+        let f = if polished { fresnel(cos, rules.fresnel_offset) } else { 0.0 };
         let specular = m.specularity + f * (1.0 - m.specularity);
         let transmitted = m.transmission * (1.0 - specular);
         let straight = transmitted * m.transmitted_specular;
@@ -174,49 +260,51 @@ impl Bsdf {
             true => m.color * specular,
             false => Rgb::splat(specular),
         };
-        bsdf.diffuse = [m.color * (1.0 - transmitted - specular), m.color * (transmitted - straight)];
-        bsdf.ambient = bsdf.diffuse;
-        // A tilted shading normal must not lose light: the cosine lobe cut by the geometric horizon keeps (1 + cos)/2 of itself.
-        let kept = 0.5 * (1.0 + point.shading.dot(point.geometric));
-        bsdf.ambient = bsdf.ambient.map(|c| c / kept.max(0.5));
-        let straight_on = if point.perturbation == Vec3::ZERO { -point.to_viewer } else { bend(point) };
+        bsdf.loss = if polished { Loss::Polished } else { Loss::None };
+        let share = |part: f64| if part > 1e-6 { m.color * part } else { Rgb::ZERO };
+        bsdf.diffuse = [share(1.0 - transmitted - specular), share(transmitted - straight)];
+        bsdf.gather_diffuse(point);
+        let straight_on = if point.bends { bend(point) } else { -point.to_viewer };
         bsdf.straight = bsdf.frame.to_local(straight_on);
         if pure {
             if straight > 1e-6 {
                 bsdf.deltas[1] = Some(Delta { direction: straight_on, coefficient: m.color * straight, reflected: false, medium: None });
             }
             if specular > 1e-6 {
-                bsdf.deltas[0] = Some(Delta { direction: bsdf.mirror(), coefficient: specular_color, reflected: true, medium: None });
+                bsdf.deltas[0] = Some(Delta { direction: bsdf.mirror(point), coefficient: specular_color, reflected: true, medium: None });
             }
             return bsdf;
         }
-        let alpha = bsdf.orient(point, m);
+        let alpha = match m.roughness.map(|r| r * r) {
+            alpha if m.isotropic => alpha,
+            alpha => bsdf.orient(point, alpha, |[u, v]| [(0.5 * (u + v)).max(1e-12); 2]),
+        };
         let lobe = |weight: f64, color: Rgb| {
             (weight > 1e-6).then_some(Lobe {
                 color,
+                form: Form::Gaussian,
                 alpha,
                 gathers: rules.specular_threshold < weight - 1e-6 || rules.specular_threshold == 0.0,
             })
         };
         bsdf.lobes = [lobe(m.specularity, specular_color), lobe(straight, m.color * straight)];
         for side in 0..2 {
-            if let Some(lobe) = bsdf.lobes[side].filter(|l| !l.gathers) {
+            if let Some(lobe) = bsdf.lobes[side].filter(|l| !l.gathers && bsdf.diffuse[side] != Rgb::ZERO) {
                 bsdf.ambient[side] += lobe.color;
             }
         }
         bsdf
     }
 
-    /// Turns the frame to an anisotropic lobe's tangent; returns the squared roughnesses along its axes.
-    fn orient(&mut self, point: &Point, m: &Reflectance) -> [f64; 2] {
-        let [a, b] = m.roughness.map(|r| r * r);
-        if m.isotropic || a == b {
-            return [a, b];
+    /// Turns the frame to an anisotropic lobe's tangent; returns the numbers of the lobe along its axes, which are `[u, v]`, or the same
+    /// `mean` of them along both where the tangent has no direction.
+    fn orient(&mut self, point: &Point, [u, v]: [f64; 2], mean: impl Fn([f64; 2]) -> [f64; 2]) -> [f64; 2] {
+        if u == v {
+            return [u, v];
         }
         let across = point.shading.cross(point.orientation);
         if across.length_squared() <= 1e-12 * point.orientation.length_squared() || across == Vec3::ZERO {
-            let mean = (0.5 * (a + b)).max(1e-12);
-            return [mean, mean];
+            return mean([u, v]);
         }
         let t = across.normalize();
         let to_world = self.frame;
@@ -224,12 +312,14 @@ impl Bsdf {
         for v in [&mut self.to_viewer, &mut self.geometric, &mut self.straight] {
             *v = self.frame.to_local(to_world.to_world(*v));
         }
-        [a, b]
+        [u, v]
     }
 
-    /// The mirror direction, world.
-    fn mirror(&self) -> Vec3 {
-        self.frame.to_world(Vec3::new(-self.to_viewer.x, -self.to_viewer.y, self.to_viewer.z))
+    /// The mirror direction, world: at the bent normal, unless that would lead through the surface.
+    fn mirror(&self, point: &Point) -> Vec3 {
+        let at = |normal: Vec3| normal * (2.0 * normal.dot(point.to_viewer)) - point.to_viewer;
+        let direction = at(point.shading);
+        if self.bent && direction.dot(point.geometric) <= 1e-6 { at(point.geometric) } else { direction }
     }
 
     /// The local form of a world direction.
@@ -260,16 +350,29 @@ impl Bsdf {
         let lobe = self.lobes[side].as_ref().filter(|_| specular != 0.0);
         match arriving {
             Arriving::Lamp(omega) => {
-                let loss = if self.fresnel { 1.0 - fresnel(wi.z.abs(), rules.fresnel_offset) } else { 1.0 };
-                let highlight = lobe.map_or(Rgb::ZERO, |lobe| lobe.color * (specular * self.highlight(lobe, side, wi, omega, rules)));
+                let loss = match self.loss {
+                    Loss::None => 1.0,
+                    Loss::Polished => 1.0 - fresnel(wi.z.abs(), rules.fresnel_offset),
+                    Loss::Schlick => 1.0 - schlick(wi.z.abs()),
+                };
+                let mut highlight = lobe.map_or(Rgb::ZERO, |lobe| lobe.color * (specular * self.highlight(lobe, side, wi, omega, rules)));
+                if let Some((functions, seen)) = self.functions.as_deref() {
+                    let value = functions.source(seen, self.to_world(wi), omega);
+                    if bright(value) > 1e-6 {
+                        highlight += value * (specular * wi.z.abs());
+                    }
+                }
                 self.diffuse[side] * (lambert * loss * diffuse) + highlight
             }
             Arriving::Indirect if !self.passes(wi) => Rgb::ZERO,
             Arriving::Indirect => {
-                let gathered = lobe.filter(|l| l.gathers).map_or(Rgb::ZERO, |lobe| {
-                    lobe.color
-                        * (specular
-                            * if side == 0 { reflection(rules.lobe, lobe.alpha, self.to_viewer, wi) } else { self.through_pdf(lobe, wi) })
+                let gathered = lobe.filter(|l| l.gathers && l.form == Form::Gaussian).map_or(Rgb::ZERO, |lobe| {
+                    let value = if side == 0 {
+                        reflection(rules.lobe, lobe.alpha, self.to_viewer, wi) * self.tilt(wi)
+                    } else {
+                        self.through_pdf(lobe, wi)
+                    };
+                    lobe.color * (specular * value)
                 });
                 self.ambient[side] * (lambert * diffuse) + gathered
             }
@@ -286,13 +389,33 @@ impl Bsdf {
         })
     }
 
-    /// Whether a part scatters lamps by another formula than indirect light, so that finding a lamp by sampling the part would be wrong.
-    pub fn lamps_differ(&self, part: Part) -> bool {
-        match part {
-            Part::DiffuseReflection | Part::DiffuseTransmission => self.fresnel || self.lobes[part.side()].is_some_and(|l| !l.gathers),
-            Part::SpecularReflection => false,
-            Part::SpecularTransmission => true,
+    /// What RADIANCE makes of a bent normal where it gathers indirect light by a reflecting lobe: its samples are weighted by the cosines to
+    /// the geometric normal instead (semantics 3.9), and the lobe is this many times as strong.
+    pub fn tilt(&self, wi: Vec3) -> f64 {
+        if !self.bent {
+            return 1.0;
         }
+        let (to_light, to_viewer) = (wi.dot(self.geometric), self.to_viewer.dot(self.geometric));
+        to_light / (to_light + to_viewer) * (wi.z + self.to_viewer.z) / wi.z
+    }
+
+    /// By how much more a part scatters lamps than indirect light from the direction `wi`; `None` where its colour differs too, so that
+    /// lamps must not be found by sampling it.
+    pub fn lamp_ratio(&self, part: Part, wi: Vec3) -> Option<f64> {
+        let side = part.side();
+        match part {
+            Part::DiffuseReflection | Part::DiffuseTransmission => {
+                let alike = self.loss == Loss::None && self.lobes[side].is_none_or(|l| l.gathers);
+                alike.then(|| if self.bent { self.diffuse[side].max_element() / self.ambient[side].max_element() } else { 1.0 })
+            }
+            Part::SpecularReflection => Some(1.0 / self.tilt(wi)),
+            Part::SpecularTransmission => None,
+        }
+    }
+
+    /// Whether a part's samples all count alike, as in RADIANCE, instead of being weighted.
+    pub fn is_unweighted(&self, part: Part) -> bool {
+        !part.diffuse() && self.lobes[part.side()].is_some_and(|l| l.form == Form::Power)
     }
 
     /// A rough lobe for a lamp that one sample of solid angle `omega` stands for, without its colour.
@@ -305,7 +428,9 @@ impl Bsdf {
             0.0
         };
         let alpha = lobe.alpha.map(|a| a + widened);
-        let value = if side == 0 {
+        let value = if lobe.form == Form::Power {
+            power_reflection(lobe.alpha, self.to_viewer, wi)
+        } else if side == 0 {
             reflection(rules.lobe, alpha, self.to_viewer, wi)
         } else {
             transmission(alpha, self.straight, self.to_viewer, wi)
@@ -336,7 +461,10 @@ impl Bsdf {
         let wi = match part {
             Part::DiffuseReflection => cosine_hemisphere(u),
             Part::DiffuseTransmission => -cosine_hemisphere(u),
-            Part::SpecularReflection => sample_reflection(self.lobes[0]?.alpha, self.to_viewer, u),
+            Part::SpecularReflection => match self.lobes[0]? {
+                Lobe { form: Form::Power, alpha, .. } => sample_power(alpha, self.to_viewer, u),
+                Lobe { alpha, .. } => sample_reflection(alpha, self.to_viewer, u),
+            },
             Part::SpecularTransmission => sample_transmission(self.lobes[1]?.alpha, self.straight, u),
         };
         (self.passes(wi) && (wi.z < 0.0) as usize == part.side()).then_some(wi)
@@ -357,7 +485,8 @@ impl Bsdf {
     /// One sample of a rough lobe by RADIANCE's rule (`-ss` at most 1.5): a local direction that carries the whole colour of the lobe, as it is
     /// accepted within ten tries (semantics 3.9). Below 1, `-ss` narrows the lobe; at 0 it is a mirror.
     pub fn unweighted(&self, part: Part, spread: f64, sampler: &mut Sampler) -> Option<(Vec3, Rgb)> {
-        let color = self.lobes[part.side()].filter(|l| l.gathers)?.color;
+        let lobe = self.lobes[part.side()].filter(|l| l.gathers)?;
+        let (color, spread) = (lobe.color, if lobe.form == Form::Power { 1.0 } else { spread });
         let tries = if spread == 0.0 { 1 } else { 10 };
         (0..tries).find_map(|_| {
             let [u, v] = if spread == 0.0 { [0.0; 2] } else { sampler.pair() };
@@ -368,6 +497,6 @@ impl Bsdf {
 
 /// The straight-through direction bent by a texture, unless that would not go through.
 fn bend(point: &Point) -> Vec3 {
-    let bent = (-point.to_viewer - point.perturbation).normalize();
-    if bent.dot(point.geometric) < 0.0 { bent } else { -point.to_viewer }
+    let bent = -point.to_viewer - point.perturbation;
+    if bent.dot(point.geometric) < -1e-6 { bent.normalize() } else { -point.to_viewer }
 }

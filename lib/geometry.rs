@@ -7,6 +7,7 @@ mod light;
 mod mesh;
 mod polygon;
 mod quadric;
+mod reflect;
 mod sample;
 mod shape;
 
@@ -14,6 +15,7 @@ pub use light::{Facing, LightShape};
 pub use mesh::Mesh;
 pub use polygon::Polygon;
 pub use quadric::{Cone, Ring, Sphere};
+pub use reflect::Plane;
 pub use sample::AreaSampler;
 pub use shape::Shape;
 
@@ -21,6 +23,9 @@ use crate::vector::Vec3;
 
 /// The distance below which RADIANCE takes two places for one (its FTINY), in scenes of ordinary size.
 pub const TINY: f64 = 1e-6;
+
+/// How many levels deep instances may be nested.
+pub const LEVELS: usize = 8;
 
 /// [`TINY`] for a scene (or object) of that size: RADIANCE's number between 1e-3 and 1e3, proportional to the size beyond, so that
 /// a scene may be scaled by any factor.

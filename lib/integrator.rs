@@ -5,6 +5,12 @@
 //! each part has samples of its own, weighted against those aimed at lamps and at the environment by the balance heuristic
 //! (Veach 1997, equation 9.8). Until the first random direction, all directions that a surface scatters into are followed; after that, one.
 
+mod radiance;
+mod scatter;
+
+pub use radiance::Radiance;
+
+use crate::accel::Hit;
 use crate::bsdf::{Arriving, Bsdf, Delta, Part};
 use crate::color::Rgb;
 use crate::geometry::Ray;
@@ -12,7 +18,7 @@ use crate::material::Inside;
 use crate::rules::Rules;
 use crate::sampling::Sampler;
 use crate::vector::Vec3;
-use crate::world::{Coming, Emission, Emitter, Layer, World};
+use crate::world::{Clip, Coming, Emission, Emitter, Layer, World};
 
 /// What paths carry, and what becomes of the light they find.
 pub trait Transport {
@@ -43,6 +49,39 @@ pub trait Transport {
     fn absorb(&self, beta: &mut Self::Beta, medium: &Inside, length: f64);
     /// Takes the light that a path found.
     fn collect(&mut self, beta: &Self::Beta, radiance: Rgb);
+    /// Hears of each ray of a path as it is followed.
+    fn visit(&mut self, _beta: &mut Self::Beta, _visit: &Visit) {}
+    /// Hears of each layer that a ray meets.
+    fn meet(&mut self, _beta: &Self::Beta, _layer: &Layer) {}
+}
+
+/// A ray on its way, as far as it is known to those who only watch.
+pub struct Visit<'a> {
+    /// The ray.
+    pub ray: &'a Ray,
+    /// What it met; `None` if it left the scene.
+    pub hit: Option<&'a Hit>,
+    /// RADIANCE's weight of the ray.
+    pub weight: f64,
+    /// How it came to be.
+    pub kind: Kind,
+}
+
+/// How a ray comes from the one before it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// It is the viewer's.
+    Primary,
+    /// Reflected in a single direction.
+    Reflected,
+    /// Let through, or refracted, in a single direction.
+    Transmitted,
+    /// Gone on, as nothing was there.
+    Passed,
+    /// Scattered.
+    Scattered,
+    /// Aimed at a light.
+    Shadow,
 }
 
 /// Scattering at a point, as far as the choice of directions goes: a material's own, unless it is unknown. Directions are local.
@@ -76,9 +115,9 @@ pub trait Scattering {
         ([1.0; 4], 1.0)
     }
 
-    /// Whether lamps must not be found by sampling this part.
-    fn lamps_differ(&self, part: Part) -> bool {
-        self.bsdf().lamps_differ(part)
+    /// By how much more a part scatters lamps than indirect light; `None` where lamps must not be found by sampling it.
+    fn lamp_ratio(&self, part: Part, wi: Vec3) -> Option<f64> {
+        self.bsdf().lamp_ratio(part, wi)
     }
 }
 
@@ -129,26 +168,9 @@ struct Segment<B> {
     scattered: Option<Scattered>,
     /// What a shadow ray was aimed at: it counts only if it ends there.
     aim: Option<Emitter>,
-}
-
-/// How paths go on from a surface. The ways are: its two deltas, its four parts.
-struct Ways {
-    /// What each part gathers; 0 for a part that gathers nothing here.
-    weights: [f64; 4],
-    /// The expected number of samples of each part, per way to sample it; 0 for a part that is not integrated.
-    counts: [f64; 4],
-    /// The probability of each way, 1 if all are taken.
-    share: [f64; 6],
-    /// The one that is taken; all if `None`.
-    chosen: Option<usize>,
-    /// The expected number of directions aimed at the environment.
-    aimed: f64,
-}
-
-impl Ways {
-    fn take(&self, way: usize) -> bool {
-        self.chosen.is_none_or(|c| c == way)
-    }
+    /// Its state among antimatter; `None` where there is none.
+    clip: Option<Box<Clip>>,
+    kind: Kind,
 }
 
 /// How a path left the last rough surface it met.
@@ -158,8 +180,8 @@ struct Scattered {
     direction: Vec3,
     /// Density with which its directions are drawn from the surface, per solid angle.
     density: f64,
-    /// Whether lamps found on this path count: they do not where they are summed by RADIANCE's rule, or behind a mirror.
-    lamps: bool,
+    /// How much lamps found on this path count: not at all where they are summed by RADIANCE's rule, or behind a mirror.
+    lamps: f64,
     /// The expected number of samples aimed at the environment that share it.
     shared: f64,
 }
@@ -175,8 +197,24 @@ impl<'a, B: Clone> Integrator<'a, B> {
 
     /// Follows one sample of `ray` as far as `limit`, and all it leads to.
     pub fn trace<T: Transport<Beta = B>>(&mut self, transport: &mut T, ray: Ray, limit: f64, sampler: Sampler) -> Outcome {
+        let segment = self.primary(transport, ray, limit, sampler);
+        self.stack.push(segment);
+        self.run(transport)
+    }
+
+    /// One sample of the irradiance at a point on the side that `normal` points to.
+    pub fn irradiance<T: Transport<Beta = B>>(&mut self, transport: &mut T, point: Vec3, normal: Vec3, sampler: Sampler) -> Outcome {
+        let ray = Ray { origin: point, direction: -normal };
+        let layer = self.world.collector(&ray, point);
+        let segment = self.primary(transport, ray, f64::INFINITY, sampler);
+        self.scatter(transport, segment, &layer);
+        self.run(transport)
+    }
+
+    /// The first ray of a path.
+    fn primary<T: Transport<Beta = B>>(&mut self, transport: &T, ray: Ray, limit: f64, sampler: Sampler) -> Segment<B> {
         self.outcome = Outcome::default();
-        self.stack.push(Segment {
+        Segment {
             ray,
             limit,
             beta: transport.start(),
@@ -189,15 +227,26 @@ impl<'a, B: Clone> Integrator<'a, B> {
             exact: true,
             scattered: None,
             aim: None,
-        });
-        while let Some(segment) = self.stack.pop() {
-            match self.world.nearest(&segment.ray, segment.limit) {
+            clip: None,
+            kind: Kind::Primary,
+        }
+    }
+
+    /// Follows what is on the stack, and all it leads to.
+    fn run<T: Transport<Beta = B>>(&mut self, transport: &mut T) -> Outcome {
+        while let Some(mut segment) = self.stack.pop() {
+            let hit = self.world.nearest(&segment.ray, segment.limit);
+            let visit = Visit { ray: &segment.ray, hit: hit.as_ref(), weight: segment.weight, kind: segment.kind };
+            transport.visit(&mut segment.beta, &visit);
+            match hit {
                 Some(hit) => {
                     let coming = Coming {
                         ray: &segment.ray,
                         travelled: segment.travelled,
                         aim: segment.aim,
-                        primary: segment.exact && segment.level == 0 && segment.scattered.is_none(),
+                        primary: segment.exact && segment.level == 0 && segment.scattered.is_none() && segment.aim.is_none(),
+                        gathered: segment.gathers(),
+                        clip: segment.clip.as_deref(),
                     };
                     self.outcome.surface |= segment.travelled == 0.0;
                     self.world.layers(&hit, &coming, self.rules, &mut |layer| self.meet(transport, &segment, hit.t, hit.point, layer));
@@ -211,7 +260,7 @@ impl<'a, B: Clone> Integrator<'a, B> {
 
     /// What lies behind everything.
     fn escape<T: Transport<Beta = B>>(&mut self, transport: &mut T, mut segment: Segment<B>) {
-        if let Some(emission) = self.world.sky(segment.ray.origin, segment.ray.direction) {
+        if let Some(emission) = self.world.sky(segment.ray.origin, segment.ray.direction, segment.aim, segment.gathers()) {
             transport.absorb(&mut segment.beta, &segment.medium, f64::INFINITY);
             self.emit(transport, &segment, &segment.beta, &emission);
         }
@@ -220,20 +269,30 @@ impl<'a, B: Clone> Integrator<'a, B> {
     /// One layer of what a segment hit.
     fn meet<T: Transport<Beta = B>>(&mut self, transport: &mut T, segment: &Segment<B>, t: f64, point: Vec3, layer: &Layer) {
         let mut beta = segment.beta.clone();
+        let mut weight = segment.weight;
         if layer.fraction != 1.0 {
             transport.scale(&mut beta, Rgb::splat(layer.fraction));
+            weight *= layer.fraction;
         }
-        transport.absorb(&mut beta, layer.behind.as_ref().unwrap_or(&segment.medium), t);
+        transport.meet(&beta, layer);
+        let medium = layer.behind.as_ref().unwrap_or(&segment.medium);
+        transport.absorb(&mut beta, medium, t);
+        // RADIANCE's weight reckons with a strong medium.
+        let dimmed = medium.extinction.min_element() * t;
+        if dimmed > 0.1 {
+            weight *= (-dimmed).exp();
+        }
         let onward = Segment {
             ray: Ray { origin: point, direction: segment.ray.direction },
             limit: segment.limit - t,
             travelled: segment.travelled + t,
             beta,
+            weight,
             ..segment.clone()
         };
         match (&layer.emission, layer.material.is_some()) {
             (Some(emission), _) => self.emit(transport, segment, &onward.beta, emission),
-            (None, false) => self.stack.push(onward),
+            (None, false) => self.stack.push(Segment { kind: Kind::Passed, ..onward.beyond(layer) }),
             (None, true) => self.scatter(transport, onward, layer),
         }
     }
@@ -244,10 +303,10 @@ impl<'a, B: Clone> Integrator<'a, B> {
             (Some(aim), _) => (aim == emission.emitter) as u8 as f64,
             (None, None) => (self.rules.lights_visible || emission.beyond) as u8 as f64,
             (None, Some(s)) => match emission.emitter {
-                Emitter::Lamp(_) if !s.lamps => 0.0,
+                Emitter::Lamp(_) if s.lamps == 0.0 => 0.0,
                 Emitter::Lamp(lamp) => match self.world.lamp_pdf(lamp, s.origin, s.direction) {
                     0.0 => 0.0,
-                    aimed => s.density / (s.density + aimed),
+                    aimed => s.lamps * s.density / (s.density + aimed),
                 },
                 Emitter::Environment if s.shared > 0.0 => s.density / (s.density + s.shared * self.world.environment_pdf(s.direction)),
                 Emitter::Environment | Emitter::Glow => 1.0,
@@ -260,306 +319,11 @@ impl<'a, B: Clone> Integrator<'a, B> {
             transport.collect(beta, emission.radiance * weight);
         }
     }
-
-    /// Scattering at a surface: `at` begins there, with the direction it came with.
-    fn scatter<T: Transport<Beta = B>>(&mut self, transport: &mut T, mut at: Segment<B>, layer: &Layer) {
-        let surface = transport.surface(layer, self.rules);
-        at.limit = f64::INFINITY;
-        if at.aim.is_some() {
-            if let Some(delta) = &surface.deltas()[1] {
-                self.follow(transport, &mut at, &surface, delta, 1.0);
-            }
-            return;
-        }
-        let ways = self.ways(transport, &mut at, &surface);
-        self.aim_at_lamps(transport, &mut at, &surface, &ways.counts);
-        self.aim_at_environment(transport, &mut at, &surface, &ways);
-        for part in Part::ALL {
-            if ways.weights[part as usize] > 0.0 && ways.take(2 + part as usize) {
-                self.gather(transport, &mut at, &surface, part, &ways);
-            }
-        }
-        for side in 0..2 {
-            if let Some(delta) = surface.deltas()[side].as_ref().filter(|_| ways.take(side)) {
-                self.follow(transport, &mut at, &surface, delta, ways.share[side]);
-            }
-        }
-    }
-
-    /// How to go on from a surface: in every way there is while nothing was left to chance, else in one, chosen in proportion to what it carries.
-    fn ways<T: Transport<Beta = B>>(&mut self, transport: &mut T, at: &mut Segment<B>, surface: &T::Surface) -> Ways {
-        let mut ways = Ways { weights: surface.weights(), counts: [0.0; 4], share: [1.0; 6], chosen: None, aimed: 1.0 };
-        if at.bounces >= self.rules.ambient_bounces {
-            for side in 0..2 {
-                if std::mem::take(&mut ways.weights[side]) > 0.0 && self.rules.ambient_value != Rgb::ZERO {
-                    transport.collect(&transport.ambient(&at.beta, surface, side), self.rules.ambient_value);
-                }
-            }
-        }
-        if !at.exact {
-            let deltas = surface.deltas().map(|d| d.map_or(0.0, |d| d.coefficient.max_element()));
-            let carried = std::array::from_fn(|i| if i < 2 { deltas[i] } else { ways.weights[i - 2] });
-            let total: f64 = carried.iter().sum();
-            if total > 0.0 {
-                ways.share = carried.map(|c| c / total);
-                ways.chosen = Some(self.choose(at, &ways.share));
-            }
-        }
-        let (rates, aimed) = surface.rates();
-        ways.aimed = if at.exact { aimed } else { 1.0 };
-        for part in Part::ALL {
-            let k = part as usize;
-            if ways.weights[k] > 0.0 && self.spread(part).is_none() {
-                ways.counts[k] = if at.exact { rates[k] } else { ways.share[2 + k] / surface.ways(part) as f64 };
-            }
-        }
-        ways
-    }
-
-    /// One of several ways, with these probabilities.
-    fn choose(&mut self, at: &mut Segment<B>, share: &[f64; 6]) -> usize {
-        let mut u = self.draw(at)[0];
-        let last = share.iter().rposition(|&s| s > 0.0).unwrap_or(0);
-        share[..last]
-            .iter()
-            .position(|s| {
-                u -= s;
-                u < 0.0
-            })
-            .unwrap_or(last)
-    }
-
-    /// Two random numbers.
-    fn draw(&mut self, at: &mut Segment<B>) -> [f64; 2] {
-        self.outcome.random = true;
-        at.sampler.pair()
-    }
-
-    /// The narrowing of a lobe that RADIANCE's unweighted rule samples; `None` where the lobe itself is integrated.
-    fn spread(&self, part: Part) -> Option<f64> {
-        let s = self.rules.specular_sampling?;
-        match part {
-            Part::SpecularReflection if s <= 1.5 => Some(s.min(1.0)),
-            Part::SpecularTransmission if s < 1.0 => Some(s),
-            _ => None,
-        }
-    }
-
-    /// Samples one part, and sends paths on.
-    fn gather<T: Transport<Beta = B>>(&mut self, transport: &mut T, at: &mut Segment<B>, surface: &T::Surface, part: Part, ways: &Ways) {
-        let k = part as usize;
-        let weight = self.factor(ways.weights[k], ways.share[2 + k]);
-        let mut from = Scattered { origin: at.ray.origin, direction: Vec3::ZERO, density: 0.0, lamps: false, shared: 0.0 };
-        if let Some(spread) = self.spread(part) {
-            let mut sampler = at.sampler.fork();
-            if let Some((wi, color)) = surface.bsdf().unweighted(part, spread, &mut sampler) {
-                let mut beta = at.beta.clone();
-                transport.scale(&mut beta, color / ways.share[2 + k]);
-                from.direction = surface.bsdf().to_world(wi);
-                self.outcome.random |= spread > 0.0;
-                at.exact &= spread == 0.0;
-                self.send(transport, at, beta, from, part, weight);
-            }
-            return;
-        }
-        let count = surface.ways(part);
-        let only = if at.exact || count == 1 { None } else { Some(((self.draw(at)[0] * count as f64) as usize).min(count - 1)) };
-        (from.lamps, from.shared) = (self.rules.light_jitter.is_none() && !surface.lamps_differ(part), ways.aimed);
-        for way in (0..count).filter(|&w| only.is_none_or(|o| o == w)) {
-            // A part that is not worth a sample each time gets one now and then.
-            if at.exact && ways.counts[k] < 1.0 && self.draw(at)[0] >= ways.counts[k] {
-                continue;
-            }
-            let u = self.draw(at);
-            let Some(wi) = surface.sample(part, way, u) else { continue };
-            from.direction = surface.bsdf().to_world(wi);
-            let beta;
-            (beta, from.density) = transport.drawn(&at.beta, surface, wi, part, way, ways.counts[k]);
-            let exact = std::mem::take(&mut at.exact);
-            self.send(transport, at, beta, from, part, weight);
-            at.exact = exact;
-        }
-    }
-
-    /// What a way that carries `carried` and is taken with probability `share` multiplies the weight of a path with: where RADIANCE's limits
-    /// are given, what it does there; else what the throughput is on the average multiplied with.
-    fn factor(&self, carried: f64, share: f64) -> f64 {
-        if self.rules.limit_weight.is_some() || self.rules.limit_reflections.is_some() { carried } else { carried / share }
-    }
-
-    /// Sends a path on from a rough surface.
-    fn send<T: Transport<Beta = B>>(&mut self, transport: &mut T, at: &mut Segment<B>, beta: B, from: Scattered, part: Part, weight: f64) {
-        let sampler = at.sampler.fork();
-        let ray = Ray { origin: at.ray.origin, direction: from.direction };
-        let bounces = at.bounces + part.diffuse() as u32;
-        let next = Segment { ray, beta, sampler, bounces, scattered: Some(from), ..at.clone() };
-        self.push(transport, next, weight, part.side() == 0);
-    }
-
-    /// Follows a direction that is scattered into alone, taken with probability `share`.
-    fn follow<T: Transport<Beta = B>>(&mut self, transport: &mut T, at: &mut Segment<B>, surface: &T::Surface, delta: &Delta, share: f64) {
-        let mut next = Segment { sampler: at.sampler.fork(), beta: transport.follow(&at.beta, surface, delta), ..at.clone() };
-        if share != 1.0 {
-            transport.scale(&mut next.beta, Rgb::splat(1.0 / share));
-        }
-        next.ray.direction = delta.direction;
-        if let Some(medium) = delta.medium {
-            next.medium = medium;
-        }
-        // Lamps and environment were not aimed at by way of a mirror.
-        if delta.reflected
-            && let Some(s) = &mut next.scattered
-        {
-            (s.lamps, s.shared) = (false, 0.0);
-        }
-        let weight = self.factor(delta.coefficient.max_element(), share);
-        self.push(transport, next, weight, delta.reflected);
-    }
-
-    /// Sends a path on if RADIANCE's limits, or roulette, let it live.
-    fn push<T: Transport<Beta = B>>(&mut self, transport: &mut T, mut next: Segment<B>, coefficient: f64, reflected: bool) {
-        next.level += reflected as i32;
-        next.weight *= coefficient.min(1.0);
-        let least = match (self.rules.limit_reflections, self.rules.limit_weight) {
-            (Some(most), least) if most > 0 => {
-                if next.level <= most && next.weight >= least.unwrap_or(0.0) {
-                    self.stack.push(next);
-                }
-                return;
-            }
-            (most, least) => {
-                if most.is_some_and(|m| m < 0 && next.level > -m) {
-                    return;
-                }
-                least.unwrap_or(ROULETTE)
-            }
-        };
-        if next.weight < least {
-            let survival = next.weight / least;
-            self.outcome.random = true;
-            if !(next.sampler.single() < survival) {
-                return;
-            }
-            transport.scale(&mut next.beta, Rgb::splat(1.0 / survival));
-            next.weight = least;
-        }
-        self.stack.push(next);
-    }
-
-    /// Direct light of lamps.
-    fn aim_at_lamps<T: Transport<Beta = B>>(&mut self, transport: &mut T, at: &mut Segment<B>, surface: &T::Surface, counts: &[f64; 4]) {
-        let world = self.world;
-        if world.lamps().is_empty() {
-            return;
-        }
-        if let Some(jitter) = self.rules.light_jitter {
-            for lamp in 0..world.lamps().len() {
-                let u = if jitter > 0.0 { self.draw(at) } else { [0.5; 2] };
-                let w = if jitter > 0.0 { self.draw(at)[0] } else { 0.5 };
-                if let Some(sample) = world.lamps()[lamp].centre(at.ray.origin, jitter, [u[0], u[1], w]) {
-                    let wi = surface.bsdf().to_local(sample.direction);
-                    let beta = transport.aimed(&at.beta, surface, wi, Arriving::Lamp(sample.omega), 1.0 / sample.omega, &[0.0; 4]);
-                    self.shadow(transport, at, beta, sample.direction, sample.distance, Emitter::Lamp(lamp));
-                }
-            }
-            return;
-        }
-        let (u, v) = (self.draw(at), self.draw(at));
-        let Some(sample) = world.sample_lamp(at.ray.origin, v[0], u) else { return };
-        let wi = surface.bsdf().to_local(sample.to.direction);
-        let counts = std::array::from_fn(|k| if sample.shared && !surface.lamps_differ(Part::ALL[k]) { counts[k] } else { 0.0 });
-        let beta = transport.aimed(&at.beta, surface, wi, Arriving::Lamp(0.0), sample.pdf, &counts);
-        self.shadow(transport, at, beta, sample.to.direction, sample.to.distance, Emitter::Lamp(sample.lamp));
-    }
-
-    /// Light of the environment, for the parts that gather it.
-    fn aim_at_environment<T: Transport<Beta = B>>(&mut self, transport: &mut T, at: &mut Segment<B>, surface: &T::Surface, ways: &Ways) {
-        if ways.counts == [0.0; 4] || !self.world.has_environment() {
-            return;
-        }
-        if ways.aimed < 1.0 && self.draw(at)[0] >= ways.aimed {
-            return;
-        }
-        let u = self.draw(at);
-        let Some((direction, pdf)) = self.world.sample_environment(u) else { return };
-        let wi = surface.bsdf().to_local(direction);
-        let beta = transport.aimed(&at.beta, surface, wi, Arriving::Indirect, ways.aimed * pdf, &ways.counts);
-        self.shadow(transport, at, beta, direction, f64::INFINITY, Emitter::Environment);
-    }
-
-    /// Sends a shadow ray. Where nothing is transparent it is settled at once.
-    fn shadow<T: Transport<Beta = B>>(
-        &mut self,
-        transport: &mut T,
-        at: &mut Segment<B>,
-        beta: B,
-        direction: Vec3,
-        distance: f64,
-        aim: Emitter,
-    ) {
-        if transport.size(&beta) == 0.0 {
-            return;
-        }
-        let ray = Ray { origin: at.ray.origin, direction };
-        let next = Segment { ray, beta, sampler: at.sampler.clone(), aim: Some(aim), ..at.clone() };
-        if self.world.transparent() || distance < f64::INFINITY {
-            self.stack.push(next);
-        } else if !self.world.occluded(&next.ray) {
-            self.escape(transport, next);
-        }
-    }
 }
 
-/// The transport of a picture: the throughput is a colour, the light found adds up.
-pub struct Radiance<'a> {
-    /// The rules of the picture.
-    pub rules: &'a Rules,
-    /// The sum of what was found, in W/(sr·m²).
-    pub sum: Rgb,
-}
-
-impl Transport for Radiance<'_> {
-    type Beta = Rgb;
-    type Surface = Bsdf;
-
-    fn start(&self) -> Rgb {
-        Rgb::ONE
-    }
-
-    fn scale(&self, beta: &mut Rgb, by: Rgb) {
-        *beta *= by;
-    }
-
-    fn size(&self, beta: &Rgb) -> f64 {
-        beta.abs().max_element()
-    }
-
-    fn surface(&self, layer: &Layer, rules: &Rules) -> Bsdf {
-        layer.bsdf(rules)
-    }
-
-    fn aimed(&self, beta: &Rgb, surface: &Bsdf, wi: Vec3, arriving: Arriving, pdf: f64, counts: &[f64; 4]) -> Rgb {
-        *beta * surface.value(wi, arriving, &surface.balance(wi, arriving, pdf, counts), self.rules)
-    }
-
-    fn drawn(&self, beta: &Rgb, surface: &Bsdf, wi: Vec3, part: Part, _: usize, count: f64) -> (Rgb, f64) {
-        let density = count * surface.pdf(part, wi);
-        (*beta * surface.value(wi, Arriving::Indirect, &part.alone(1.0 / density), self.rules), density)
-    }
-
-    fn ambient(&self, beta: &Rgb, surface: &Bsdf, side: usize) -> Rgb {
-        *beta * surface.ambient[side]
-    }
-
-    fn follow(&self, beta: &Rgb, _: &Bsdf, delta: &Delta) -> Rgb {
-        *beta * delta.coefficient
-    }
-
-    fn absorb(&self, beta: &mut Rgb, medium: &Inside, length: f64) {
-        *beta *= medium.transmittance(length);
-    }
-
-    fn collect(&mut self, beta: &Rgb, radiance: Rgb) {
-        self.sum += *beta * radiance;
+impl<B> Segment<B> {
+    /// Whether it gathers indirect light.
+    fn gathers(&self) -> bool {
+        self.scattered.is_some() || self.aim == Some(Emitter::Environment)
     }
 }

@@ -3,7 +3,7 @@
 //! A lamp is a surface or a distant source whose material is a light, a spotlight, an illum, or a glow with a radius. Directions
 //! point from the lit point to the lamp. How bright it is there is the world's to say.
 
-use crate::geometry::{AreaSampler, Facing, LightShape, Ray, Shape};
+use crate::geometry::{AreaSampler, Facing, LightShape, Plane, Ray, Shape};
 use crate::sampling::cone;
 use crate::vector::{Frame, Vec3};
 use std::f64::consts::PI;
@@ -11,16 +11,34 @@ use std::f64::consts::PI;
 /// A lamp's shape and reach.
 #[derive(Clone, Debug)]
 pub struct Lamp {
-    /// Where it is.
+    /// Where it is; of a virtual one, where it is seen.
     pub form: Form,
+    /// As RADIANCE's direct calculation sees it.
+    pub extent: LightShape,
     /// Its brightness for choosing among lamps: the radiance it emits, without patterns.
     pub brightness: f64,
     /// The distance within which it lights: infinite but for a glow.
     pub radius: f64,
     /// Spotlights: the length of the aim vector, a focal distance behind the lamp.
     pub focus: f64,
-    /// Whether it is also found by sampling surfaces: not a spotlight, whose distance law is its own, nor an illum, which only what is aimed at it sees.
+    /// Whether it is also found by sampling surfaces: not a spotlight, whose distance law is its own, nor an illum, which only what is aimed
+    /// at it sees, nor what is seen in a mirror.
     pub shared: bool,
+    /// Whether an illum stands in the way of its light: it does before an illum or a glow, which would be counted twice.
+    pub weak: bool,
+    /// The mirror it is seen in, if it is virtual.
+    pub relay: Option<Relay>,
+}
+
+/// How a virtual lamp is reached: by way of a mirror.
+#[derive(Clone, Copy, Debug)]
+pub struct Relay {
+    /// The surface that is the mirror.
+    pub mirror: u32,
+    /// Its plane.
+    pub plane: Plane,
+    /// The lamp that is seen in it, perhaps virtual itself.
+    pub lamp: usize,
 }
 
 /// Where a lamp is.
@@ -28,14 +46,23 @@ pub struct Lamp {
 pub enum Form {
     /// A distant cone of directions around an axis, and 1 − cos of its half angle.
     Distant(Vec3, f64),
-    /// A surface, ready to be sampled, and as RADIANCE's one sample sees it.
-    Shape(Box<(Shape, AreaSampler, LightShape)>),
+    /// A surface, ready to be sampled.
+    Shape(Box<(Shape, AreaSampler)>),
 }
 
 impl Form {
-    /// A surface as a lamp; an error for one that RADIANCE refuses.
-    pub fn of(shape: &Shape) -> Result<Self, &'static str> {
-        Ok(Self::Shape(Box::new((shape.clone(), AreaSampler::new(shape), shape.light()?))))
+    /// A surface as a lamp.
+    pub fn of(shape: Shape) -> Self {
+        let sampler = AreaSampler::new(&shape);
+        Self::Shape(Box::new((shape, sampler)))
+    }
+
+    /// As it is seen in a mirror; `None` for what degenerates there.
+    fn reflected(&self, mirror: &Plane) -> Option<Self> {
+        Some(match self {
+            Self::Distant(axis, spread) => Self::Distant(mirror.vector(*axis), *spread),
+            Self::Shape(surface) => Self::of(surface.0.reflected(mirror)?),
+        })
     }
 }
 
@@ -58,7 +85,7 @@ impl Lamp {
                 ToLamp { direction: Frame::around(*axis).to_world(cone(u, *spread)), distance: f64::INFINITY, omega: 2.0 * PI * spread }
             }
             Form::Shape(surface) => {
-                let (shape, area, _) = &**surface;
+                let (shape, area) = &**surface;
                 if let Some((center, spread)) = cap(shape, from) {
                     let direction = Frame::around((center - from).normalize()).to_world(cone(u, spread));
                     // A direction at the very rim may miss the sphere by rounding.
@@ -90,7 +117,7 @@ impl Lamp {
                 }
             }
             Form::Shape(surface) => {
-                let (shape, area, _) = &**surface;
+                let (shape, area) = &**surface;
                 let ray = Ray { origin: from, direction };
                 let Some(t) = shape.intersect(&ray, 0.0, f64::INFINITY).filter(|&t| t <= self.radius) else { return 0.0 };
                 if let Some((_, spread)) = cap(shape, from) {
@@ -102,42 +129,81 @@ impl Lamp {
         }
     }
 
-    /// RADIANCE's one sample (semantics 3.11): the centre, moved at random over the fraction `jitter` of the extent, and the solid angle it takes the lamp to have.
-    pub fn centre(&self, from: Vec3, jitter: f64, u: [f64; 3]) -> Option<ToLamp> {
-        let sample = match &self.form {
-            Form::Distant(axis, spread) => {
-                let direction = Frame::around(*axis).to_world(cone([u[0] * jitter * jitter, u[1]], *spread));
-                ToLamp { direction, distance: f64::INFINITY, omega: 2.0 * PI * spread }
+    /// Shows `out` the samples that RADIANCE's direct calculation takes (semantics 3.11): the centre of each part, moved at random over the
+    /// fraction `jitter` of its extent, and the solid angle it stands for. A surface is divided until its parts are smaller than
+    /// `fraction` of their distance; 0 leaves it whole.
+    pub fn parts(&self, from: Vec3, jitter: f64, fraction: f64, draw: &mut dyn FnMut() -> [f64; 2], out: &mut dyn FnMut(ToLamp)) {
+        let parts = Parts::of(&self.extent, matches!(self.form, Form::Distant(..)), from, fraction);
+        for &Part { middle, size } in parts.list() {
+            let mut at = middle;
+            if jitter > 0.0 {
+                let ([u, v], w) = (draw(), if matches!(self.extent.facing, Facing::Front(_)) { 0.5 } else { draw()[0] });
+                at = std::array::from_fn(|i| middle[i] + jitter * (1.0 - 2.0 * [u, v, w][i]) * size[i]);
             }
-            Form::Shape(surface) => {
-                let light = &surface.2;
-                let [a, b, c] = light.half_edges;
-                let to = light.center + (a * (2.0 * u[0] - 1.0) + b * (2.0 * u[1] - 1.0) + c * (2.0 * u[2] - 1.0)) * jitter - from;
-                let distance = to.length();
-                let direction = to / distance;
-                let cos = match light.facing {
-                    Facing::Front(normal) => -direction.dot(normal),
-                    Facing::Across(axis) => direction.cross(axis).length(),
-                    Facing::All => 1.0,
-                };
-                if cos <= 1e-4 {
-                    return None;
-                }
-                ToLamp { direction, distance, omega: light.size * cos / (distance * distance) }
+            if self.extent.round && (parts.count > 1 || jitter > 0.7) {
+                at = self.rounded(at);
             }
+            let sample = self.toward(from, at, size);
+            sample.filter(|s| s.distance <= self.radius).map(|s| self.focused(s)).into_iter().for_each(&mut *out);
+        }
+    }
+
+    /// A point of the box, in half edges, drawn in to where the round light is that it stands for.
+    fn rounded(&self, [u, v, w]: [f64; 3]) -> [f64; 3] {
+        if self.extent.half_edges[2] == Vec3::ZERO {
+            // The square of equal area becomes the disk.
+            let reach = 2.0 / PI.sqrt();
+            return [u * reach * (1.0 - 0.5 * v * v).sqrt(), v * reach * (1.0 - 0.5 * u * u).sqrt(), 0.0];
+        }
+        let (largest, sum) = ((u * u).max(v * v).max(w * w), u * u + v * v + w * w);
+        let reach = if sum > 1e-12 { (largest / sum).sqrt() / 0.7236 } else { 0.0 };
+        [u * reach, v * reach, w * reach]
+    }
+
+    /// The direction to a point of the box, in half edges, that stands for a part of the size `size` of it.
+    fn toward(&self, from: Vec3, at: [f64; 3], size: [f64; 3]) -> Option<ToLamp> {
+        let LightShape { center, half_edges: [a, b, c], .. } = self.extent;
+        let place = center + a * at[0] + b * at[1] + c * at[2];
+        if let Form::Distant(..) = self.form {
+            return Some(ToLamp { direction: place.normalize(), distance: f64::INFINITY, omega: self.extent.size });
+        }
+        let (distance, direction) = ((place - from).length(), (place - from).try_normalize()?);
+        let seen = match self.extent.facing {
+            Facing::Front(normal) => -direction.dot(normal) * size[0] * size[1],
+            Facing::Across(axis) => direction.cross(axis).length() * size[0],
+            Facing::All => 1.0,
         };
-        (sample.distance <= self.radius).then_some(self.focused(sample))
+        (seen > 1e-4).then(|| ToLamp { direction, distance, omega: self.extent.size * seen / (distance * distance) })
+    }
+
+    /// The lamp as it is seen in a mirror; `None` if no light of it gets there.
+    pub fn reflected(&self, relay: Relay) -> Option<Self> {
+        let distant = matches!(self.form, Form::Distant(..));
+        if !self.extent.in_front_of(&relay.plane, distant) {
+            return None;
+        }
+        Some(Self {
+            form: self.form.reflected(&relay.plane)?,
+            extent: self.extent.reflected(&relay.plane, distant),
+            shared: false,
+            weak: false,
+            relay: Some(relay),
+            ..*self
+        })
     }
 
     /// How much it may light a point at `from`, for choosing among lamps: never 0 where it does.
     pub fn importance(&self, from: Vec3) -> f64 {
+        if self.relay.is_some_and(|r| r.plane.height(from) <= 0.0) {
+            return 0.0;
+        }
         self.brightness
             * match &self.form {
                 Form::Distant(_, spread) => 2.0 * PI * spread,
                 Form::Shape(surface) => {
-                    let (shape, area, light) = &**surface;
+                    let (shape, area) = &**surface;
                     let size = (shape.bounds().max - shape.bounds().min).length_squared() / 4.0;
-                    let distance = light.center.distance_squared(from);
+                    let distance = self.extent.center.distance_squared(from);
                     // Beyond its radius a glow lights nothing, whatever point of it is taken.
                     if self.radius.is_finite() && distance.sqrt() > self.radius + size.sqrt() {
                         0.0
@@ -163,4 +229,79 @@ fn cap(shape: &Shape, from: Vec3) -> Option<(Vec3, f64)> {
     let sin2 = sphere.radius * sphere.radius / sphere.center.distance_squared(from);
     // 1 − cos without cancellation for a small sphere.
     (sin2 < 1.0 && !sphere.inward).then(|| (sphere.center, sin2 / (1.0 + (1.0 - sin2).sqrt())))
+}
+
+/// The most parts that a light is divided into.
+const MOST_PARTS: usize = 64;
+
+/// A part of a light's box.
+#[derive(Clone, Copy)]
+struct Part {
+    /// Its middle, in half edges of the box.
+    middle: [f64; 3],
+    /// Its size, as fractions of the box's.
+    size: [f64; 3],
+}
+
+/// The parts that a light is divided into for a point.
+struct Parts {
+    parts: [Part; MOST_PARTS],
+    count: usize,
+}
+
+impl Parts {
+    /// RADIANCE's division: the longer side is halved until both are shorter than `fraction` of the distance to the part's middle.
+    fn of(light: &LightShape, distant: bool, from: Vec3, fraction: f64) -> Self {
+        let whole = Part { middle: [0.0; 3], size: [1.0; 3] };
+        let mut parts = Self { parts: [whole; MOST_PARTS], count: 1 };
+        if distant || !(fraction > 1e-6) {
+            return parts;
+        }
+        let [u, v, _] = light.half_edges;
+        let to = from - light.center;
+        match light.facing {
+            Facing::All => {}
+            Facing::Front(normal) if to.dot(normal) <= 0.0 => parts.count = 0,
+            Facing::Front(_) => {
+                parts.count = 0;
+                let far = |e: Vec3| e.length_squared() * 4.0 / (fraction * fraction);
+                parts.divide(whole, light, from, [far(u), far(v)], MOST_PARTS);
+            }
+            Facing::Across(axis) => {
+                let (across, far) = (to.cross(axis).length_squared(), u.length_squared() * 4.0 / (fraction * fraction));
+                let near = 1.365 * v.length_squared();
+                if across <= near {
+                    parts.count = 0;
+                } else if across > 4.0 * near && to.length_squared() < far {
+                    parts.count = 0;
+                    parts.divide(whole, light, from, [far, 0.0], MOST_PARTS);
+                }
+            }
+        }
+        parts
+    }
+
+    /// Divides a part while it is nearer than the square roots of `far`, into at most `most`.
+    fn divide(&mut self, part: Part, light: &LightShape, from: Vec3, far: [f64; 2], most: usize) {
+        let middle = light.center + light.half_edges[0] * part.middle[0] + light.half_edges[1] * part.middle[1];
+        let distance = middle.distance_squared(from);
+        if most < 2 || distance >= far[0] && distance >= far[1] {
+            self.parts[self.count] = part;
+            self.count += 1;
+            return;
+        }
+        let side = (far[0] <= far[1]) as usize;
+        let (mut half, mut nearer) = (part, far);
+        half.size[side] /= 2.0;
+        nearer[side] /= 4.0;
+        for sign in [-1.0, 1.0] {
+            let mut half = half;
+            half.middle[side] += sign * half.size[side];
+            self.divide(half, light, from, nearer, most / 2);
+        }
+    }
+
+    fn list(&self) -> &[Part] {
+        &self.parts[..self.count]
+    }
 }

@@ -2,14 +2,20 @@
 
 use crate::color::Rgb;
 use crate::error::Result;
+use crate::pattern::{Functions, Sources};
 use crate::rad::Primitive;
 use crate::vector::Vec3;
+use std::sync::Arc;
 
 /// A material, with its real arguments A1, A2… by name.
 #[derive(Clone, Debug)]
 pub enum Material {
     /// plastic, metal, trans, plastic2, metal2, trans2. An anisotropic one is oriented by its expressions at each hit.
     Reflectance(Reflectance),
+    /// ashik2: diffuse and specular colour, powers along u and v.
+    Ashikhmin(Ashikhmin),
+    /// BRTDfunc: what its expressions do not say is diffuse.
+    Functions(FunctionMaterial),
     /// dielectric: what a unit length of the inside transmits, and its index of refraction.
     Dielectric(Medium),
     /// interface: the media inside and outside.
@@ -26,6 +32,30 @@ pub enum Material {
     Glow(Rgb, f64),
     /// spotlight: radiance, 1 − cos of the half angle of its cone, aim (its length is a focal distance).
     Spotlight(Rgb, f64, Vec3),
+    /// antimatter: inside, the materials it lists are not there.
+    Antimatter,
+}
+
+/// The numbers of ashik2 (Ashikhmin and Shirley 2000).
+#[derive(Clone, Copy, Debug)]
+pub struct Ashikhmin {
+    /// A1 to A3.
+    pub diffuse: Rgb,
+    /// A4 to A6: at normal incidence.
+    pub specular: Rgb,
+    /// A7 and A8, the powers of the lobe along the two tangents.
+    pub powers: [f64; 2],
+}
+
+/// The parts of BRTDfunc.
+#[derive(Clone, Debug)]
+pub struct FunctionMaterial {
+    /// Diffuse reflectance of the front and of the back.
+    pub diffuse: [Rgb; 2],
+    /// Diffuse transmittance.
+    pub through: Rgb,
+    /// The rest.
+    pub functions: Arc<Functions>,
 }
 
 /// The numbers of plastic, metal, trans and their anisotropic kin.
@@ -45,6 +75,8 @@ pub struct Reflectance {
     pub metal: bool,
     /// Whether it may be a mirror: the isotropic types.
     pub isotropic: bool,
+    /// Whether its type is one that transmits.
+    pub transmits: bool,
 }
 
 /// A transparent medium.
@@ -68,7 +100,9 @@ pub struct Inside {
 impl Reflectance {
     /// A Lambertian surface.
     pub fn diffuse(color: Rgb) -> Self {
-        Self { color, specularity: 0.0, roughness: [0.0; 2], transmission: 0.0, transmitted_specular: 0.0, metal: false, isotropic: true }
+        let (transmission, transmitted_specular) = (0.0, 0.0);
+        let roughness = [0.0; 2];
+        Self { color, specularity: 0.0, roughness, transmission, transmitted_specular, metal: false, isotropic: true, transmits: false }
     }
 }
 
@@ -114,7 +148,7 @@ pub const GLASS_INDEX: f64 = 1.52;
 
 impl Material {
     /// The material that `primitive` defines. `None` if its type is not a material that is rendered.
-    pub fn of(primitive: &Primitive) -> Result<Option<Self>> {
+    pub fn of(primitive: &Primitive, sources: &mut Sources) -> Result<Option<Self>> {
         let a = Arguments(primitive);
         Ok(Some(match primitive.kind.as_str() {
             "plastic" | "metal" => {
@@ -127,11 +161,31 @@ impl Material {
             }
             "plastic2" | "metal2" => {
                 a.count(&[6])?;
+                a.rough()?;
                 Self::Reflectance(a.reflectance(2))
             }
             "trans2" => {
                 a.count(&[8])?;
+                a.rough()?;
                 Self::Reflectance(Reflectance { transmission: a.real(6), transmitted_specular: a.real(7), ..a.reflectance(2) })
+            }
+            "ashik2" => {
+                a.count(&[8])?;
+                Self::Ashikhmin(Ashikhmin { diffuse: a.rgb(0), specular: a.rgb(3), powers: [a.real(6), a.real(7)] })
+            }
+            "BRTDfunc" => {
+                if primitive.reals.len() < 9 {
+                    a.count(&[9])?;
+                }
+                let Some(functions) = Functions::compile(primitive, sources)? else { return Ok(None) };
+                Self::Functions(FunctionMaterial { diffuse: [a.rgb(0), a.rgb(3)], through: a.rgb(6), functions: Arc::new(functions) })
+            }
+            "antimatter" => {
+                a.count(&[0])?;
+                if primitive.strings.is_empty() {
+                    return Err(primitive.error(format!("antimatter `{}` needs the names of what it removes", primitive.name)));
+                }
+                Self::Antimatter
             }
             "dielectric" => {
                 a.count(&[5])?;
@@ -174,19 +228,36 @@ impl Material {
 
 impl Material {
     /// Whether light passes through it in single directions: then shadow rays do not end at it.
-    pub fn transparent(&self) -> bool {
+    pub fn passes(&self) -> bool {
         match self {
             Self::Reflectance(m) => m.transmission * m.transmitted_specular > 0.0 && m.isotropic && m.roughness[0].abs() <= PURE,
-            Self::Dielectric(_) | Self::Interface(..) | Self::Glass(_) => true,
+            Self::Dielectric(_) | Self::Interface(..) | Self::Glass(_) | Self::Antimatter => true,
             // An illum that is not aimed at, and what a mirror shows light, are not in the way of light.
             Self::Illum(_) | Self::Mirror(_) => true,
-            Self::Light(_) | Self::Glow(..) | Self::Spotlight(..) => false,
+            Self::Functions(f) => f.functions.transmits(),
+            Self::Light(_) | Self::Glow(..) | Self::Spotlight(..) | Self::Ashikhmin(_) => false,
         }
+    }
+
+    /// Whether its type is one that RADIANCE takes for transparent, whatever its numbers: such a surface gives way to a coincident opaque
+    /// one, and `-i` looks through it.
+    pub fn nominally_transparent(&self) -> bool {
+        match self {
+            Self::Reflectance(m) => m.transmits,
+            Self::Dielectric(_) | Self::Interface(..) | Self::Glass(_) => true,
+            Self::Functions(f) => f.functions.transmits(),
+            _ => false,
+        }
+    }
+
+    /// Whether it is a light source.
+    pub fn emits(&self) -> bool {
+        matches!(self, Self::Light(_) | Self::Illum(_) | Self::Glow(..) | Self::Spotlight(..))
     }
 
     /// Whether `-bv-` makes its back invisible.
     pub fn backless(&self) -> bool {
-        !matches!(self, Self::Dielectric(_) | Self::Interface(..))
+        !matches!(self, Self::Dielectric(_) | Self::Interface(..) | Self::Functions(_) | Self::Antimatter)
     }
 
     /// The radiance that a light source emits against the direction of travel `direction`.
@@ -220,6 +291,14 @@ impl Arguments<'_> {
         Rgb::new(self.real(i), self.real(i + 1), self.real(i + 2))
     }
 
+    /// Refuses roughnesses that an anisotropic lobe cannot have, as RADIANCE does.
+    fn rough(&self) -> Result<()> {
+        match [4, 5].into_iter().find(|&i| !(self.real(i) > 1e-6)) {
+            Some(i) => Err(self.0.real_error(i, format!("the roughness of {} must be above 1e-6", self.0.kind))),
+            None => Ok(()),
+        }
+    }
+
     /// Colour, specularity and one roughness, or two (which RADIANCE does not allow to be zero).
     fn reflectance(&self, roughnesses: usize) -> Reflectance {
         Reflectance {
@@ -230,6 +309,7 @@ impl Arguments<'_> {
             transmitted_specular: 0.0,
             metal: self.0.kind.starts_with("metal"),
             isotropic: roughnesses == 1,
+            transmits: self.0.kind.starts_with("trans"),
         }
     }
 }

@@ -6,12 +6,14 @@
 mod angle;
 mod compile;
 mod frame;
+mod functions;
 mod mapping;
 mod raster;
 mod table;
 
 pub use compile::Sources;
 pub use frame::At;
+pub use functions::{Functions, Seen};
 pub use mapping::{Angular, LatLong, Mapping};
 pub use raster::Raster;
 pub use table::Table;

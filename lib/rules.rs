@@ -4,6 +4,7 @@
 //! is given means what it means in RADIANCE.
 
 use crate::color::Rgb;
+use std::collections::HashSet;
 
 /// The rules a picture is computed by. `Default` is the converged picture.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,8 +21,13 @@ pub struct Rules {
     pub specular_threshold: f64,
     /// `-ss`: given and not above 1.5, rough reflection is RADIANCE's single unweighted sample; otherwise it is the lobe itself.
     pub specular_sampling: Option<f64>,
-    /// `-dj`: given, each light source is one sample at its centre, jittered over this fraction of its extent; otherwise it is integrated.
+    /// `-dj`: given, each light source is one sample at its centre (or one for each of its parts, see `light_division`), jittered over this
+    /// fraction of its extent; otherwise it is integrated.
     pub light_jitter: Option<f64>,
+    /// `-ds`: given with `-dj`, a light source is divided until its parts are smaller than this fraction of their distance.
+    pub light_division: f64,
+    /// `-ai`, `-ae`: modifiers whose surfaces alone gather indirect light (true), or do not (false).
+    pub gathering: Option<(bool, HashSet<String>)>,
     /// `-bv`: whether backs of surfaces are there.
     pub back_visible: bool,
     /// `-dv`: whether light sources are seen.
@@ -30,7 +36,7 @@ pub struct Rules {
     pub mirror_levels: u32,
     /// `-me`: extinction of the medium that fills the scene, per unit length.
     pub extinction: Rgb,
-    /// `-i`, `-I`: irradiance instead of radiance.
+    /// `-i`: irradiance instead of radiance.
     pub irradiance: bool,
     /// Which form the rough reflection lobe has.
     pub lobe: Ward,
@@ -60,6 +66,8 @@ impl Default for Rules {
             specular_threshold: 0.0,
             specular_sampling: None,
             light_jitter: None,
+            light_division: 0.0,
+            gathering: None,
             back_visible: true,
             lights_visible: true,
             mirror_levels: 2,

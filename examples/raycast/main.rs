@@ -3,6 +3,8 @@
 //! `raycast MESH.obj RAYS [TWIN]` or `raycast knots:TRIANGLES RAYS [TWIN]` builds the tree, makes three sets of RAYS rays (primary, bounced,
 //! shadow) and says what that cost. With TWIN it writes triangles and rays to that file, for another ray caster. Then, for each line
 //! with the name of a set on standard input, it casts that set and prints nanoseconds a ray and how many rays hit.
+//!
+//! `raycast leaks RAYS` counts the rays that find a gap between the triangles of a closed surface.
 
 use inverad::accel::{Accel, Geometry, Surface};
 use inverad::geometry::{Mesh, Ray};
@@ -25,9 +27,15 @@ type Result<T> = std::result::Result<T, Box<dyn std::error::Error>>;
 
 fn main() -> Result<()> {
     let words: Vec<String> = std::env::args().skip(1).collect();
+    if let [leaking, count] = words.as_slice()
+        && leaking == "leaks"
+    {
+        println!("{} of {count} rays found a gap", leaks(count.parse()?)?);
+        return Ok(());
+    }
     let (scene, count) = match words.as_slice() {
         [scene, count] | [scene, count, _] => (scene, count.parse()?),
-        _ => return Err("usage: raycast MESH.obj|knots:TRIANGLES RAYS [TWIN]".into()),
+        _ => return Err("usage: raycast MESH.obj|knots:TRIANGLES RAYS [TWIN], or raycast leaks RAYS".into()),
     };
     let mesh = Arc::new(match scene.strip_prefix("knots:") {
         Some(triangles) => knots(triangles.parse()?),
@@ -62,37 +70,60 @@ fn main() -> Result<()> {
 /// Trefoil knots on a grid in a closed room of twelve triangles: about so many triangles in all. Every ray hits.
 fn knots(triangles: usize) -> Mesh {
     let mut mesh = Mesh::default();
-    let (size, each) = (Vec3::new(6.0, 3.0, 6.0), triangles / 12);
-    for i in 0..8 {
-        mesh.positions.push(Vec3::new((i & 1) as f64, (i >> 1 & 1) as f64, (i >> 2) as f64) * size);
-    }
+    let size = Vec3::new(6.0, 3.0, 6.0);
+    mesh.positions.extend((0..8).map(|i| Vec3::new((i & 1) as f64, (i >> 1 & 1) as f64, (i >> 2) as f64) * size));
     for [a, b, c, d] in [[0, 2, 6, 4], [1, 5, 7, 3], [0, 4, 5, 1], [2, 3, 7, 6], [0, 1, 3, 2], [4, 6, 7, 5]] {
         mesh.triangles.extend([[a, b, c], [a, c, d]]);
     }
-    // Four points around the rope for 25 along it.
-    let points = ((each as f64 / 2.0 * 0.16).sqrt() as u32).max(3);
-    let rings = (each as u32 / (2 * points)).max(3);
     for knot in 0..12 {
         let middle = Vec3::new((knot % 3) as f64 * 2.0 + 1.0, (knot / 3 % 2) as f64 * 1.4 + 0.8, (knot / 6) as f64 * 3.0 + 1.5);
-        let first = mesh.positions.len() as u32;
-        let axis = |t: f64| Vec3::new((3.0 * t).sin(), t.sin() + 2.0 * (2.0 * t).sin(), 2.0 * (2.0 * t).cos() - t.cos()) * 0.2;
-        for i in 0..rings {
-            let t = TAU * i as f64 / rings as f64;
-            let frame = Frame::around((axis(t + 1e-4) - axis(t - 1e-4)).normalize());
-            // The frame jumps where its direction passes an axis: start each ring at the same side of the knot's own.
-            let across = Vec3::X.cross(frame.n).normalize();
-            for j in 0..points {
-                let (sin, cos) = (TAU * j as f64 / points as f64).sin_cos();
-                mesh.positions.push(middle + axis(t) + (across * cos + frame.n.cross(across) * sin) * 0.13);
-            }
-        }
-        let vertex = |i: u32, j: u32| first + i % rings * points + j % points;
-        for (i, j) in (0..rings).flat_map(|i| (0..points).map(move |j| (i, j))) {
-            let [a, b, c, d] = [vertex(i, j), vertex(i + 1, j), vertex(i + 1, j + 1), vertex(i, j + 1)];
-            mesh.triangles.extend([[a, b, c], [a, c, d]]);
-        }
+        add_knot(&mut mesh, middle, triangles / 12);
     }
     mesh
+}
+
+/// The middle of the rope of a knot.
+fn axis(t: f64) -> Vec3 {
+    Vec3::new((3.0 * t).sin(), t.sin() + 2.0 * (2.0 * t).sin(), 2.0 * (2.0 * t).cos() - t.cos()) * 0.2
+}
+
+/// Adds a knot of about so many triangles.
+fn add_knot(mesh: &mut Mesh, middle: Vec3, triangles: usize) {
+    // Four points around the rope for 25 along it.
+    let points = ((triangles as f64 / 2.0 * 0.16).sqrt() as u32).max(3);
+    let rings = (triangles as u32 / (2 * points)).max(3);
+    let first = mesh.positions.len() as u32;
+    for i in 0..rings {
+        let t = TAU * f64::from(i) / f64::from(rings);
+        let along = (axis(t + 1e-4) - axis(t - 1e-4)).normalize();
+        let across = Vec3::X.cross(along).normalize();
+        for j in 0..points {
+            let (sin, cos) = (TAU * f64::from(j) / f64::from(points)).sin_cos();
+            mesh.positions.push(middle + axis(t) + (across * cos + along.cross(across) * sin) * 0.13);
+        }
+    }
+    let vertex = |i: u32, j: u32| first + i % rings * points + j % points;
+    for (i, j) in (0..rings).flat_map(|i| (0..points).map(move |j| (i, j))) {
+        let [a, b, c, d] = [vertex(i, j), vertex(i + 1, j), vertex(i + 1, j + 1), vertex(i, j + 1)];
+        mesh.triangles.extend([[a, b, c], [a, c, d]]);
+    }
+}
+
+/// How many of `count` rays leave a knot of 10⁵ triangles from inside its rope, two thirds aimed at its edges and one at its vertices.
+fn leaks(count: usize) -> Result<usize> {
+    let mut mesh = Mesh::default();
+    add_knot(&mut mesh, Vec3::ZERO, 100_000);
+    let mesh = Arc::new(mesh);
+    let accel = Accel::build(vec![Surface::from(Geometry::Mesh(mesh.clone(), Affine::IDENTITY))])?;
+    let leaks = (0..count).filter(|&i| {
+        let mut sampler = Sampler::new(1, i as u64, 0, 0);
+        let ([turn, at], [along, _]) = (sampler.pair(), sampler.pair());
+        let [a, b, _] = mesh.corners((at * mesh.triangles.len() as f64) as u32);
+        let target = if i % 3 == 0 { a } else { a + (b - a) * along };
+        let origin = axis(TAU * turn);
+        accel.nearest(&Ray::new(origin, (target - origin).normalize()), 0.0, f64::INFINITY).is_none()
+    });
+    Ok(leaks.count())
 }
 
 /// Primary rays of a pinhole camera in tiles of 4 × 4 pixels; one bounced ray, distributed by the cosine, from every place they hit; and
@@ -107,7 +138,11 @@ fn rays(accel: &Accel, count: usize, inside: bool) -> [Vec<Cast>; 3] {
     let mut sets = [const { Vec::new() }; 3];
     let single = |v: Vec3| Vec3::from(v.to_array().map(|x| f64::from(x as f32)));
     let mut add = |set: usize, origin: Vec3, direction: Vec3, t_min: f64, t_max: f64| {
-        sets[set].push(Cast { ray: Ray::new(single(origin), single(direction)), t_min: f64::from(t_min as f32), t_max: f64::from(t_max as f32) });
+        sets[set].push(Cast {
+            ray: Ray::new(single(origin), single(direction)),
+            t_min: f64::from(t_min as f32),
+            t_max: f64::from(t_max as f32),
+        });
     };
     for i in 0..side * side {
         let (tile, within) = (i / 16, i % 16);

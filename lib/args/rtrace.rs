@@ -1,10 +1,16 @@
 //! What a person types to `rtrace-rs`, and what it means as [`Rules`] and [`Budget`].
 
+mod explain;
+
+pub use explain::{defaults, explain};
+
 use super::{Common, Scenes, ViewWords};
 use crate::color::Rgb;
 use crate::error::{Error, Result};
 use crate::render::{Budget, DEFAULT_ERROR};
 use crate::rules::{FRESNEL_OFFSET, Rules, Ward};
+use clap::ArgAction;
+use std::collections::HashSet;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -13,7 +19,7 @@ use std::time::Duration;
 #[command(name = "rtrace-rs", version, max_term_width = 100)]
 pub struct Arguments {
     /// Scene files, or an octree; - is standard input
-    #[arg(value_name = "SCENE", required = true)]
+    #[arg(value_name = "SCENE", required_unless_present_any = ["explain", "defaults"])]
     pub scenes: Vec<String>,
 
     /// The view.
@@ -23,6 +29,10 @@ pub struct Arguments {
     /// The picture.
     #[command(flatten)]
     pub picture: PictureOptions,
+
+    /// The rays.
+    #[command(flatten)]
+    pub rays: RayOptions,
 
     /// The light.
     #[command(flatten)]
@@ -36,9 +46,25 @@ pub struct Arguments {
     #[command(flatten)]
     pub scene_options: Scenes,
 
+    /// Definitions of names for the expressions in the scene, as in a function file
+    #[arg(long = "e", value_name = "NAME=EXPR", action = ArgAction::Append)]
+    pub definitions: Vec<String>,
+
+    /// A function file with such definitions
+    #[arg(short = 'f', value_name = "FILE", action = ArgAction::Append)]
+    pub function_files: Vec<String>,
+
     /// Leave out surfaces whose material is not supported, and say so, instead of refusing the scene
     #[arg(long)]
     pub skip_unsupported: bool,
+
+    /// Say on standard error what each given option does, and which defaults are not RADIANCE's
+    #[arg(long)]
+    pub explain: bool,
+
+    /// Print what holds for every option of RADIANCE's, with those given, and end
+    #[arg(long = "defaults")]
+    pub defaults: bool,
 
     /// What all programs share.
     #[command(flatten)]
@@ -46,24 +72,28 @@ pub struct Arguments {
 }
 
 /// The size and kind of a picture.
-#[derive(clap::Args, Clone, Debug)]
+#[derive(clap::Args, Clone, Debug, Default)]
 #[command(next_help_heading = "Picture options")]
 pub struct PictureOptions {
-    /// Largest width of the picture in pixels
-    #[arg(long = "x", value_name = "N", default_value_t = 512)]
-    pub x: usize,
+    /// Largest width of the picture in pixels [default: 512]; for rays, how many are answered together, or are in a line of a picture
+    #[arg(long = "x", value_name = "N")]
+    pub x: Option<usize>,
 
-    /// Largest height of the picture in pixels
-    #[arg(long = "y", value_name = "N", default_value_t = 512)]
-    pub y: usize,
+    /// Largest height of the picture in pixels [default: 512]; for rays, how many lines are answered
+    #[arg(long = "y", value_name = "N")]
+    pub y: Option<usize>,
 
-    /// Pixel aspect ratio, height over width; 0 keeps the size
-    #[arg(long = "pa", value_name = "F", default_value_t = 1.0)]
-    pub pa: f64,
+    /// Pixel aspect ratio, height over width; 0 keeps the size [default: 1]
+    #[arg(long = "pa", value_name = "F")]
+    pub pa: Option<f64>,
 
-    /// The part of a pixel's width that its samples cover; 0 samples centres
-    #[arg(long = "pj", value_name = "F", default_value_t = 1.0)]
-    pub pj: f64,
+    /// The part of a pixel's width that its samples cover; 0 samples centres [default: 1]
+    #[arg(long = "pj", value_name = "F")]
+    pub pj: Option<f64>,
+
+    /// Diameter of the lens; things are in focus at the length of -vd [default: 0]
+    #[arg(long = "pd", value_name = "F")]
+    pub pd: Option<f64>,
 
     /// Write OpenEXR instead of a RADIANCE picture, as for an output file that ends in .exr
     #[arg(long)]
@@ -72,6 +102,69 @@ pub struct PictureOptions {
     /// Keep the variance of each pixel
     #[arg(long, value_name = "FILE.exr")]
     pub variance: Option<PathBuf>,
+
+    /// Keep other pictures of the same pixels: any of normal, depth, albedo, direct, indirect
+    #[arg(long, value_names = ["NAMES", "FILE.exr"], num_args = 2)]
+    pub aov: Option<Vec<String>>,
+
+    /// Instead of light, the fraction of each pixel that is covered by surfaces whose material is ID
+    #[arg(long, value_name = "ID")]
+    pub coverage: Option<String>,
+
+    /// Red, green and blue [default]
+    #[arg(long = "pRGB")]
+    pub rgb: bool,
+
+    /// CIE XYZ, times 179
+    #[arg(long = "pXYZ")]
+    pub xyz: bool,
+
+    /// Luminance, times 179; for rays only
+    #[arg(long = "pY")]
+    pub luminance: bool,
+}
+
+/// How rays are read and what is said of them.
+#[derive(clap::Args, Clone, Debug, Default)]
+#[command(next_help_heading = "Ray options (without a view)")]
+pub struct RayOptions {
+    /// Form of the input and of the output: a text, f single, d double precision, c RGBE (output) [default: a]
+    #[arg(long, value_name = "IO")]
+    pub format: Option<String>,
+
+    /// What to say of each ray, letter by letter: o origin, d direction, v value, V contribution, w weight, W coefficient, l effective length,
+    /// L length, c local coordinates, p point, n normal, N unperturbed normal, s surface, m modifier, M material, r x mirrored and
+    /// unmirrored part, R X their lengths, ~ a tilde; after t (T: with shadow rays) for every ray it leads to [default: v]
+    #[arg(long, value_name = "LETTERS")]
+    pub specifiers: Option<String>,
+
+    /// Write a header [default: on]
+    #[arg(long = "h")]
+    pub header: Option<bool>,
+
+    /// Each ray ends where the vector of its direction does
+    #[arg(long = "ld")]
+    pub limit: Option<bool>,
+
+    /// Irradiance at the point, on the side the direction points to
+    #[arg(long = "I")]
+    pub point_irradiance: Option<bool>,
+
+    /// After -ot: leave out rays that meet this modifier
+    #[arg(long = "te", value_name = "MOD", action = ArgAction::Append)]
+    pub exclude: Vec<String>,
+
+    /// After -ot: only rays that meet this modifier
+    #[arg(long = "ti", value_name = "MOD", action = ArgAction::Append)]
+    pub include: Vec<String>,
+
+    /// The same, for the modifiers listed in a file
+    #[arg(long = "tE", value_name = "FILE", action = ArgAction::Append)]
+    pub exclude_files: Vec<String>,
+
+    /// The same, for the modifiers listed in a file
+    #[arg(long = "tI", value_name = "FILE", action = ArgAction::Append)]
+    pub include_files: Vec<String>,
 }
 
 /// Light transport, in RADIANCE's options. What is not given is not limited.
@@ -80,11 +173,27 @@ pub struct PictureOptions {
 pub struct Light {
     /// Diffuse bounces [default: all]
     #[arg(long = "ab", value_name = "N")]
-    pub ab: Option<u32>,
+    pub ab: Option<i64>,
 
     /// Radiance that stands for what the bounces leave out
     #[arg(long = "av", value_names = ["R", "G", "B"], num_args = 3)]
     pub av: Option<Vec<f64>>,
+
+    /// Surfaces with this modifier gather no indirect light: -av stands for it
+    #[arg(long = "ae", value_name = "MOD", action = ArgAction::Append)]
+    pub ae: Vec<String>,
+
+    /// Only surfaces with this modifier gather indirect light
+    #[arg(long = "ai", value_name = "MOD", action = ArgAction::Append)]
+    pub ai: Vec<String>,
+
+    /// The same, for the modifiers listed in a file
+    #[arg(long = "aE", value_name = "FILE", action = ArgAction::Append)]
+    pub ae_files: Vec<String>,
+
+    /// The same, for the modifiers listed in a file
+    #[arg(long = "aI", value_name = "FILE", action = ArgAction::Append)]
+    pub ai_files: Vec<String>,
 
     /// Limit of reflections; negative or 0: roulette decides
     #[arg(long = "lr", value_name = "N")]
@@ -102,19 +211,23 @@ pub struct Light {
     #[arg(long = "ss", value_name = "F")]
     pub ss: Option<f64>,
 
-    /// One sample of each light source, jittered over this part of it [default: integrated]
+    /// One sample of each part of each light source, jittered over this fraction of it [default: integrated]
     #[arg(long = "dj", value_name = "F")]
     pub dj: Option<f64>,
 
-    /// Mirrors that a light is seen through
+    /// With -dj: light sources are divided until their parts are smaller than this fraction of their distance [default: 0, not at all]
+    #[arg(long = "ds", value_name = "F")]
+    pub ds: Option<f64>,
+
+    /// Mirrors that a light is seen through [default: 2]
     #[arg(long = "dr", value_name = "N")]
     pub dr: Option<u32>,
 
-    /// Whether light sources are seen
+    /// Whether light sources are seen [default: on]
     #[arg(long = "dv")]
     pub dv: Option<bool>,
 
-    /// Whether the backs of surfaces are there
+    /// Whether the backs of surfaces are there [default: on]
     #[arg(long = "bv")]
     pub bv: Option<bool>,
 
@@ -139,46 +252,70 @@ pub struct Light {
     pub tuning: Tuning,
 }
 
-/// Options of RADIANCE that only tune its approximations.
+/// Options of RADIANCE that only tune its approximations, or that this program has no use for.
 #[derive(clap::Args, Clone, Debug, Default)]
 pub struct Tuning {
     /// Ambient accuracy
     #[arg(long = "aa", hide = true, value_name = "F")]
-    aa: Option<f64>,
+    pub aa: Option<f64>,
     /// Ambient resolution
     #[arg(long = "ar", hide = true, value_name = "N")]
-    ar: Option<i64>,
+    pub ar: Option<i64>,
     /// Ambient divisions
     #[arg(long = "ad", hide = true, value_name = "N")]
-    ad: Option<i64>,
+    pub ad: Option<i64>,
     /// Ambient super-samples
     #[arg(long = "as", hide = true, value_name = "N")]
-    r#as: Option<i64>,
+    pub r#as: Option<i64>,
     /// Ambient weight
     #[arg(long = "aw", hide = true, value_name = "N")]
-    aw: Option<i64>,
+    pub aw: Option<i64>,
+    /// Ambient file
+    #[arg(long = "af", hide = true, value_name = "FILE")]
+    pub af: Option<String>,
     /// Pixel sampling
     #[arg(long = "ps", hide = true, value_name = "N")]
-    ps: Option<i64>,
+    pub ps: Option<i64>,
     /// Pixel threshold
     #[arg(long = "pt", hide = true, value_name = "F")]
-    pt: Option<f64>,
-    /// Light subdivision
-    #[arg(long = "ds", hide = true, value_name = "F")]
-    ds: Option<f64>,
+    pub pt: Option<f64>,
+    /// Pixel motion
+    #[arg(long = "pm", hide = true, value_name = "F")]
+    pub pm: Option<f64>,
+    /// Time between reports
+    #[arg(long = "t", hide = true, value_name = "S")]
+    pub t: Option<f64>,
     /// Shadow threshold
     #[arg(long = "dt", hide = true, value_name = "F")]
-    dt: Option<f64>,
+    pub dt: Option<f64>,
     /// Shadow certainty
     #[arg(long = "dc", hide = true, value_name = "F")]
-    dc: Option<f64>,
+    pub dc: Option<f64>,
     /// Virtual light pretest
     #[arg(long = "dp", hide = true, value_name = "N")]
-    dp: Option<i64>,
+    pub dp: Option<i64>,
+    /// Albedo of the medium
+    #[arg(long = "ma", hide = true, value_names = ["R", "G", "B"], num_args = 3)]
+    pub ma: Option<Vec<f64>>,
+    /// Eccentricity of the medium
+    #[arg(long = "mg", hide = true, value_name = "F")]
+    pub mg: Option<f64>,
+    /// Sampling distance in the medium
+    #[arg(long = "ms", hide = true, value_name = "F")]
+    pub ms: Option<f64>,
+    /// Photon search radius
+    #[arg(long = "am", hide = true, value_name = "F")]
+    pub am: Option<f64>,
+    /// Spectral samples
+    #[arg(long = "cs", hide = true, value_name = "N")]
+    pub cs: Option<i64>,
+    /// Wavelengths
+    #[arg(long = "cw", hide = true, value_names = ["NM", "NM"], num_args = 2)]
+    pub cw: Option<Vec<f64>>,
     /// Uncorrelated sampling
     #[arg(long = "u", hide = true)]
-    u: Option<bool>,
-    /// Warnings
+    pub u: Option<bool>,
+    /// Warnings [default: on]
     #[arg(long = "w")]
     pub w: Option<bool>,
 }
@@ -208,18 +345,31 @@ impl AsRef<Common> for Arguments {
 }
 
 impl Light {
-    /// What these options say.
-    pub fn rules(&self) -> Rules {
+    /// What these options say. `list` gives the words of a file of modifiers.
+    pub fn rules(&self, list: &dyn Fn(&str) -> Result<Vec<String>>) -> Result<Rules> {
         let default = Rules::default();
         let color = |v: &Option<Vec<f64>>, other: Rgb| v.as_ref().map_or(other, |v| Rgb::new(v[0], v[1], v[2]));
-        Rules {
-            ambient_bounces: self.ab.unwrap_or(default.ambient_bounces),
+        self.possible()?;
+        let excluded = modifiers(&self.ae, &self.ae_files, list)?;
+        let included = modifiers(&self.ai, &self.ai_files, list)?;
+        let gathering = match (excluded, included) {
+            (Some(_), Some(_)) => {
+                return Err(Error::new("-ae and -ai exclude each other: give either what gathers light or what does not"));
+            }
+            (excluded, included) => excluded.map(|names| (false, names)).or(included.map(|names| (true, names))),
+        };
+        // A negative count shows photons in RADIANCE, of which there are none here.
+        let bounces = self.ab.map(|n| n.clamp(0, u32::MAX as i64) as u32).unwrap_or(default.ambient_bounces);
+        Ok(Rules {
+            ambient_bounces: if self.tuning.ad == Some(0) { 0 } else { bounces },
             ambient_value: color(&self.av, default.ambient_value),
             limit_reflections: self.lr,
             limit_weight: self.lw,
             specular_threshold: self.st.unwrap_or(default.specular_threshold),
             specular_sampling: self.ss,
             light_jitter: self.dj,
+            light_division: self.ds.unwrap_or(default.light_division),
+            gathering,
             back_visible: self.bv.unwrap_or(default.back_visible),
             lights_visible: self.dv.unwrap_or(default.lights_visible),
             mirror_levels: self.dr.unwrap_or(default.mirror_levels),
@@ -227,8 +377,42 @@ impl Light {
             irradiance: self.irradiance.unwrap_or(default.irradiance),
             lobe: if self.ward.is_some() { Ward::Original } else { default.lobe },
             fresnel_offset: self.fresnel_offset,
-        }
+        })
     }
+
+    /// Refuses what has no meaning here.
+    fn possible(&self) -> Result<()> {
+        let Tuning { ma, pm, cs, am, .. } = &self.tuning;
+        let positive = |v: &Option<f64>| v.is_some_and(|v| v > 0.0);
+        if ma.as_ref().is_some_and(|v| v.iter().any(|&v| v != 0.0)) && self.me.as_ref().is_some_and(|v| v.iter().any(|&v| v != 0.0)) {
+            return Err(Error::new("-ma: a medium that scatters light is not supported; -ma 0 0 0 leaves one that only absorbs it"));
+        }
+        if positive(pm) {
+            return Err(Error::new("-pm: motion is not supported; render a sequence of views and average it"));
+        }
+        if positive(am) {
+            return Err(Error::new("-am: photon maps are not supported, nor needed; leave the option out"));
+        }
+        if cs.is_some_and(|n| n > 3) {
+            return Err(Error::new("-cs: more than three spectral samples are not supported"));
+        }
+        if let Some(bad) = self.lw.filter(|w| !(*w >= 0.0)) {
+            return Err(Error::new(format!("-lw must be 0 or more, not {bad}")));
+        }
+        if self.lw == Some(0.0) && self.lr.is_some_and(|lr| lr <= 0) {
+            return Err(Error::new("-lw 0 leaves nothing for roulette to go by; give -lr above 0, or -lw above 0"));
+        }
+        Ok(())
+    }
+}
+
+/// The modifiers of a list on the command line and of files; `None` if there are neither.
+pub fn modifiers(names: &[String], files: &[String], list: &dyn Fn(&str) -> Result<Vec<String>>) -> Result<Option<HashSet<String>>> {
+    let mut all: HashSet<String> = names.iter().cloned().collect();
+    for file in files {
+        all.extend(list(file)?);
+    }
+    Ok((!names.is_empty() || !files.is_empty()).then_some(all))
 }
 
 impl Accuracy {

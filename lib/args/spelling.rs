@@ -23,6 +23,9 @@ const ATTACHED: [(char, &str, &str); 2] = [('f', "format", "afdc"), ('o', "speci
 /// RADIANCE's names of more than two letters.
 const WORDS: [&str; 4] = ["defaults", "pRGB", "pXYZ", "features"];
 
+/// RADIANCE's switches that are on when nothing is said.
+const ON: [&str; 4] = ["bv", "dv", "h", "w"];
+
 /// Options that cannot change the result, by clap's names for them.
 const NO_TRACE: [&str; 3] = ["threads", "quiet", "progress"];
 
@@ -197,8 +200,7 @@ impl Rewriter<'_> {
 
     /// What holds for a switch here: what it was last set to, or its default.
     fn value(&self, name: &str) -> bool {
-        let default = || self.find(|a| a.get_long() == Some(name)).is_some_and(|a| a.get_default_values().iter().any(|v| v == "true"));
-        self.switches.get(name).copied().unwrap_or_else(default)
+        self.switches.get(name).copied().unwrap_or_else(|| ON.contains(&name))
     }
 
     fn find(&self, is: impl Fn(&&Arg) -> bool) -> Option<&Arg> {
@@ -243,8 +245,8 @@ mod tests {
         av: Option<Vec<f64>>,
         #[arg(long)]
         u: Option<bool>,
-        #[arg(long, default_value = "true", action = ArgAction::Set)]
-        bv: bool,
+        #[arg(long)]
+        bv: Option<bool>,
         #[arg(long)]
         h: Option<bool>,
         #[arg(long)]
@@ -304,7 +306,9 @@ mod tests {
         assert_eq!(run("tool -u+ -u").0.u, Some(false));
         assert_eq!(run("tool -u- -u").0.u, Some(true));
         assert_eq!(run("tool -u1 -u0").0.u, Some(false));
-        assert!(!run("tool -bv").0.bv && run("tool -bv -bv").0.bv && !run("tool -bv-").0.bv);
+        assert_eq!(run("tool -bv").0.bv, Some(false));
+        assert_eq!(run("tool -bv -bv").0.bv, Some(true));
+        assert_eq!(run("tool -bv-").0.bv, Some(false));
         assert_eq!(run("tool -h-").0.h, Some(false));
     }
 

@@ -1,19 +1,20 @@
 //! Smooth transparent bodies: refraction at the boundary of two media, and thin panes of glass (semantics 3.6, 3.7).
 
-use super::{Bsdf, Delta, Point, bend};
+use super::{Bsdf, Delta, Point};
 use crate::color::Rgb;
 use crate::material::{Inside, Medium};
 use crate::rules::Rules;
 use crate::vector::Vec3;
 
 impl Bsdf {
-    /// The boundary of a body: `inside` is behind the surface, `outside` before it. The pattern colours the inside.
-    pub(super) fn interface(point: &Point, inside: &Medium, outside: &Medium, pattern: Rgb, rules: &Rules) -> Self {
+    /// The boundary of a body: `inside` is behind the surface, `outside` before it (none: what fills the scene). The pattern colours both.
+    pub(super) fn interface(point: &Point, inside: &Medium, outside: Option<&Medium>, pattern: Rgb, rules: &Rules) -> Self {
         let mut bsdf = Self::black(point);
-        let eta = if point.front { outside.index / inside.index } else { inside.index / outside.index };
+        let index = inside.index / outside.map_or(1.0, |o| o.index);
+        let eta = if point.front { 1.0 / index } else { index };
         let cos = bsdf.to_viewer.z;
-        let mirror =
-            |coefficient: f64| Delta { direction: bsdf.mirror(), coefficient: Rgb::splat(coefficient), reflected: true, medium: None };
+        let direction = bsdf.mirror(point);
+        let mirror = |coefficient: f64| Delta { direction, coefficient: Rgb::splat(coefficient), reflected: true, medium: None };
         let k = 1.0 - eta * eta * (1.0 - cos * cos);
         // Also true of an index that is no number: then everything is reflected.
         if !(k >= 1e-6) {
@@ -22,13 +23,16 @@ impl Bsdf {
         }
         let cos_beyond = k.sqrt();
         let reflected = reflectance(cos, cos_beyond, eta);
-        let refracted = |normal: Vec3, cos: f64, cos_beyond: f64| (-point.to_viewer * eta + normal * (eta * cos - cos_beyond)).normalize();
-        let mut direction = refracted(point.shading, cos, cos_beyond);
-        if direction.dot(point.geometric) >= 0.0 {
-            let cos = point.to_viewer.dot(point.geometric);
-            direction = refracted(point.geometric, cos, (1.0 - eta * eta * (1.0 - cos * cos)).max(0.0).sqrt());
+        let refracted = |normal: Vec3| (-point.to_viewer * eta + normal * (eta * cos - cos_beyond)).normalize();
+        let mut direction = refracted(point.shading);
+        if point.perturbation != Vec3::ZERO && direction.dot(point.geometric) >= -1e-6 {
+            direction = refracted(point.geometric);
         }
-        let beyond = if point.front { inside.extinction(pattern) } else { outside.extinction(Rgb::ONE) + rules.extinction };
+        let beyond = match outside {
+            _ if point.front => inside.extinction(pattern),
+            Some(outside) => outside.extinction(pattern),
+            None => rules.extinction,
+        };
         // Radiance is concentrated by the square of the index.
         let coefficient = Rgb::splat((1.0 - reflected) * eta * eta);
         if reflected > 0.0 {
@@ -44,10 +48,12 @@ impl Bsdf {
         let pane = glass.transmissivity.to_array().map(|t| pane(bsdf.to_viewer.z, glass.index, t));
         let [reflected, transmitted] = [0, 1].map(|way| Rgb::from(pane.map(|p| p[way])));
         let transmitted = if glass.transmissivity.max_element() <= 1e-15 { Rgb::ZERO } else { transmitted * pattern };
-        bsdf.deltas[0] = Some(Delta { direction: bsdf.mirror(), coefficient: reflected, reflected: true, medium: None });
+        let direction = point.shading * (2.0 * point.shading.dot(point.to_viewer)) - point.to_viewer;
+        bsdf.deltas[0] = Some(Delta { direction, coefficient: reflected, reflected: true, medium: None });
         if transmitted != Rgb::ZERO {
-            let bent = Point { perturbation: point.perturbation * (2.0 * (glass.index - 1.0)), ..*point };
-            let direction = if point.perturbation == Vec3::ZERO { -point.to_viewer } else { bend(&bent) };
+            let straight = -point.to_viewer;
+            let bent = (straight + point.perturbation * (2.0 * (1.0 - glass.index))).try_normalize().unwrap_or(straight);
+            let direction = if point.bends { bent } else { straight };
             bsdf.deltas[1] = Some(Delta { direction, coefficient: transmitted, reflected: false, medium: None });
         }
         bsdf

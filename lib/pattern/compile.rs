@@ -85,6 +85,28 @@ pub(super) fn compile(primitive: &Primitive, sources: &mut Sources, types: &[&st
     Ok(Some((Frame::new(words.transform(used)?), kind)))
 }
 
+/// The frame of a BRTDfunc, its coefficients of the mirror direction and of the straight one, its functions for light sources. What is
+/// written as 0 is `None`.
+#[allow(clippy::type_complexity)]
+pub(super) fn functions(primitive: &Primitive, sources: &mut Sources) -> Result<(Frame, [Option<Program>; 2], [Option<Program>; 3])> {
+    let mut words = Words { primitive, sources };
+    let zero = |i: usize| primitive.strings.get(i).is_some_and(|s| s == "0");
+    let mut straight = [None, None];
+    for (way, program) in straight.iter_mut().enumerate() {
+        let range = 3 * way..3 * way + 3;
+        if !range.clone().all(zero) {
+            *program = Some(words.expressions(range, 9)?);
+        }
+    }
+    let mut by_channel = [None, None, None];
+    for (i, program) in by_channel.iter_mut().enumerate().filter(|(i, _)| !zero(6 + i)) {
+        let file = words.file(9)?;
+        let (name, span) = (words.string(6 + i)?, words.span(6 + i));
+        *program = Some(words.sources.library.functions(file, &[((name, span.as_ref()), &[0, 1, 2, 3])], 4, &primitive.reals)?);
+    }
+    Ok((Frame::new(words.transform(10)?), straight, by_channel))
+}
+
 struct Words<'a, 'r> {
     primitive: &'a Primitive,
     sources: &'a mut Sources<'r>,
@@ -244,6 +266,9 @@ fn arguments(kind: &str) -> &'static str {
             "three functions, three data files, function file, an expression for each dimension of the data, transform"
         }
         "mixfunc" => "foreground, background, expression, function file, transform",
+        "BRTDfunc" => {
+            "three expressions for reflection, three for transmission, three functions for light sources, function file, transform"
+        }
         "mixpict" => "foreground, background, function, picture, function file, expressions for u and v, transform",
         _ => "foreground, background, function, data file, function file, an expression for each dimension of the data, transform",
     }

@@ -92,6 +92,11 @@ impl Frame {
         }
     }
 
+    /// What turns a direction into one of the frame.
+    pub fn turn(&self, at: &At) -> Mat3 {
+        self.place(at).turn
+    }
+
     /// All ray variables.
     pub fn ray(&self, at: &At) -> Ray {
         let mut ray;

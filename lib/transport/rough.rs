@@ -186,9 +186,10 @@ impl<const L: usize> Tagging<'_, L> {
             let (wo, h) = (shape.viewer(), shape.viewer() + wi);
             let (x, y) = ((h.x * h.x / (h.z * h.z)) as f32, (h.y * h.y / (h.z * h.z)) as f32);
             let gaussian = |(u, v, area): (f32x8, f32x8, f32x8)| (-(u * x + v * y)).exp() * area;
+            let tilt = if arriving == Arriving::Indirect { shape.tilt(wi) } else { 1.0 };
             let scale = match self.rules.lobe {
-                Ward::Bounded => wi.z * h.length_squared() / (PI * h.z.powi(4)),
-                Ward::Original => wi.z / (4.0 * PI * (wi.z * wo.z).sqrt()),
+                Ward::Bounded => tilt * wi.z * h.length_squared() / (PI * h.z.powi(4)),
+                Ward::Original => tilt * wi.z / (4.0 * PI * (wi.z * wo.z).sqrt()),
             } as f32;
             let densities = (h.length_squared() / (2.0 * PI * h.z.powi(3))) as f32;
             let nodes: Nodes<L> = std::array::from_fn(|l| gaussian(self.unknown.lanes[l]));
@@ -409,10 +410,11 @@ impl Scattering for Surface<'_> {
         }
     }
 
-    fn lamps_differ(&self, part: Part) -> bool {
+    fn lamp_ratio(&self, part: Part, wi: Vec3) -> Option<f64> {
         match self {
-            Self::Known(bsdf) => bsdf.lamps_differ(part),
-            Self::Unknown { .. } => part == Part::SpecularTransmission,
+            Self::Known(bsdf) => bsdf.lamp_ratio(part, wi),
+            Self::Unknown { .. } if part.diffuse() => Some(1.0),
+            Self::Unknown { shape, .. } => shape.lamp_ratio(part, wi),
         }
     }
 }

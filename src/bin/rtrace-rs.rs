@@ -7,6 +7,7 @@ use inverad::error::Error;
 use inverad::picture::exr::{Plane, Planes};
 use inverad::picture::{Header, Picture};
 use inverad::render::{Film, Rendering, Task, render};
+use inverad::resolve::Resolve;
 use inverad::scene::Scene;
 use inverad::world::World;
 use std::process::ExitCode;
@@ -16,14 +17,16 @@ fn main() -> ExitCode {
 }
 
 fn run(args: Arguments, console: &Console) -> Outcome<Answer> {
-    let (rules, budget) = (args.light.rules(), args.accuracy.budget()?);
+    let budget = args.accuracy.budget()?;
     if args.view.words.is_empty() {
         return Err(Error::new("no view; give one with -vf FILE or -vp, -vd … (--help lists all options)").into());
     }
     let view = cli::view(&args.view)?;
-    let film = Film::new(&view, args.picture.x, args.picture.y, args.picture.pa)?;
+    let size = |given: Option<usize>| given.unwrap_or(512);
+    let film = Film::new(&view, size(args.picture.x), size(args.picture.y), args.picture.pa.unwrap_or(1.0))?;
 
     let disk = Disk::new(args.scene_options.commands, cal::shipped, console);
+    let rules = args.light.rules(&|list| Ok(words(&disk.library(list)?)))?;
     let flat = cli::flat(&args.scenes, &args.scene_options, &disk)?;
     let scene = Scene::new(&flat, &disk, args.skip_unsupported)?;
     if args.light.tuning.w != Some(false) {
@@ -37,7 +40,7 @@ fn run(args: Arguments, console: &Console) -> Outcome<Answer> {
         rules: &rules,
         count: film.width * film.height,
         lens: &film.lens(),
-        jitter: args.picture.pj,
+        jitter: args.picture.pj.unwrap_or(1.0),
         budget,
         seed: args.common.seed,
     };
@@ -86,4 +89,9 @@ fn variance(film: &Film, header: &Header, rendering: &Rendering) -> Planes {
         header: header.clone(),
         planes: ["R", "G", "B"].into_iter().enumerate().map(plane).collect(),
     }
+}
+
+/// The words of a text.
+fn words(text: &[u8]) -> Vec<String> {
+    String::from_utf8_lossy(text).split_whitespace().map(str::to_string).collect()
 }

@@ -1,0 +1,215 @@
+//! What RADIANCE's options come to here: each that was given, in words, and all of them as `rtrace -defaults` lists them.
+
+use super::{Arguments, Light, Tuning};
+use std::fmt::Display;
+use std::fmt::Write;
+
+/// What each given option does, and which defaults differ from RADIANCE's, a line each.
+pub fn explain(arguments: &Arguments) -> String {
+    let mut said = Said(String::new());
+    said.light(&arguments.light);
+    said.picture(arguments);
+    said.rays(arguments);
+    said.tuning(&arguments.light.tuning);
+    if said.0.is_empty() {
+        said.0.push_str("No option of RADIANCE's is given.\n");
+    }
+    said.0.push_str("Defaults that are not RADIANCE's, where the option is not given:\n");
+    for (given, option, radiance, here) in differing(&arguments.light) {
+        if !given {
+            let _ = writeln!(said.0, "  {option} (there {radiance}): {here}");
+        }
+    }
+    said.0
+}
+
+/// What was said so far.
+struct Said(String);
+
+impl Said {
+    /// A line for an option, if it was given.
+    fn option<T: Display>(&mut self, name: &str, value: Option<T>, does: impl FnOnce(T) -> String) {
+        if let Some(value) = value {
+            let shown = value.to_string();
+            let _ = writeln!(self.0, "{name} {shown}: {}", does(value));
+        }
+    }
+
+    /// A line for a switch, if it was given.
+    fn switch(&mut self, name: &str, value: Option<bool>, on: &str, off: &str) {
+        if let Some(value) = value {
+            let _ = writeln!(self.0, "{name}{}: {}", if value { '+' } else { '-' }, if value { on } else { off });
+        }
+    }
+
+    /// A line for a list of words, if it has any.
+    fn list(&mut self, name: &str, values: &[String], does: &str) {
+        for value in values {
+            let _ = writeln!(self.0, "{name} {value}: {does}");
+        }
+    }
+
+    fn light(&mut self, light: &Light) {
+        self.option("-ab", light.ab, |n| match n {
+            ..=0 => "no diffuse bounce is followed; -av stands for all indirect diffuse light".into(),
+            n => {
+                format!("light is followed through {n} diffuse bounce{}, unbiased; -av stands for the rest", if n == 1 { "" } else { "s" })
+            }
+        });
+        self.option("-av", words(&light.av), |_| "radiance from everywhere in place of the diffuse bounces that -ab leaves out".into());
+        self.list("-ae", &light.ae, "its surfaces gather no indirect light, but -av");
+        self.list("-aE", &light.ae_files, "surfaces of the modifiers listed there gather no indirect light, but -av");
+        self.list("-ai", &light.ai, "its surfaces gather indirect light; those of modifiers not named gather -av");
+        self.list("-aI", &light.ai_files, "surfaces of the modifiers listed there gather indirect light; others gather -av");
+        self.option("-lr", light.lr, |n| match n {
+            1.. => format!("a path ends after {n} reflections"),
+            0 => "paths end by roulette below the weight -lw, which is unbiased".into(),
+            n => format!("paths end by roulette below the weight -lw, which is unbiased, and after {} reflections", n.unsigned_abs()),
+        });
+        self.option("-lw", light.lw, |w| match light.lr {
+            Some(1..) => format!("a path ends where its weight falls below {w}"),
+            _ => format!("below the weight {w} roulette decides whether a path goes on, which is unbiased"),
+        });
+        self.option("-st", light.st, |st| {
+            format!("rough reflection and transmission of {st} or less count as diffuse, except for highlights of lamps")
+        });
+        self.option("-ss", light.ss, |s| match s {
+            0.0 => "rough surfaces reflect like mirrors".into(),
+            s if s < 1.0 => "RADIANCE's unweighted sample of rough reflection, narrowed".into(),
+            s if s <= 1.5 => "RADIANCE's unweighted sample of rough reflection".into(),
+            _ => "the rough lobe itself, which RADIANCE approaches with many samples".into(),
+        });
+        self.option("-dj", light.dj, |j| match (j, light.ds) {
+            (0.0, None | Some(0.0)) => "each lamp is one sample at its centre".into(),
+            (0.0, Some(_)) => "each part of a lamp is one sample at its middle".into(),
+            _ => format!("each lamp, or part of one (-ds), is a sample jittered over {j} of its extent"),
+        });
+        self.option("-ds", light.ds, |s| match light.dj {
+            Some(_) => format!("lamps are divided until their parts are smaller than {s} of their distance"),
+            None => "nothing: without -dj lamps are integrated over all their extent, which no division can improve".into(),
+        });
+        self.option("-dr", light.dr, |n| format!("lamps are seen through up to {n} flat mirrors, one after another"));
+        self.switch("-dv", light.dv, "lamps are seen", "lamps are not seen, though they light");
+        self.switch("-bv", light.bv, "backs of surfaces are there", "backs of surfaces are not there");
+        self.switch("-i", light.irradiance, "irradiance of the first surface instead of its radiance", "radiance");
+        self.option("-me", words(&light.me), |_| "what fills the scene absorbs so much of the light per unit of length".into());
+        self.option("--ward", light.ward.as_ref(), |_| "the rough lobe of the 2002 paper instead of RADIANCE's present one".into());
+    }
+
+    fn picture(&mut self, arguments: &Arguments) {
+        let picture = &arguments.picture;
+        self.option("-pa", picture.pa, |_| {
+            "height of a pixel over its width, by which -x and -y are fitted to the view; 0: they stay as they are".into()
+        });
+        self.option("-pj", picture.pj, |j| format!("a pixel is sampled over {j} of its width (box filter)"));
+        self.option("-pd", picture.pd, |_| "diameter of the lens; things are in focus at the length of -vd".into());
+    }
+
+    fn rays(&mut self, arguments: &Arguments) {
+        let rays = &arguments.rays;
+        self.switch("-ld", rays.limit, "a ray ends where the vector of its direction does", "rays have no end");
+        self.switch("-I", rays.point_irradiance, "irradiance at the point of each ray, on the side of its direction", "radiance");
+        self.switch("-h", rays.header, "the answers have a header", "the answers have no header");
+    }
+
+    fn tuning(&mut self, tuning: &Tuning) {
+        let Tuning { aa, ar, ad, r#as, aw, af, ps, pt, t, dt, dc, dp, ma, mg, ms, u, w, cs, cw, am, pm } = tuning;
+        let cached = "nothing: indirect light is not interpolated, but computed where it is needed";
+        self.option("-aa", *aa, |_| cached.into());
+        self.option("-ar", *ar, |_| cached.into());
+        self.option("-af", af.as_ref(), |_| "nothing: no indirect light is kept, so the file is neither read nor written".into());
+        self.option("-ad", *ad, |n| match n {
+            0 => "no diffuse bounce is followed".into(),
+            _ => "nothing: as many samples are taken as --error, --spp or --time ask for".into(),
+        });
+        self.option("-as", *r#as, |_| "nothing: as many samples are taken as --error, --spp or --time ask for".into());
+        self.option("-aw", *aw, |_| "nothing: -av stays what it is, as with -aw 0".into());
+        self.option("-ps", *ps, |_| "nothing: every pixel is sampled".into());
+        self.option("-pt", *pt, |_| "nothing: every pixel is sampled".into());
+        self.option("-pm", *pm, |_| "nothing moves".into());
+        self.option("-t", *t, |_| "nothing: progress is shown on a terminal, or with --progress".into());
+        self.option("-dt", *dt, |_| "nothing: no lamp goes untested, as with -dt 0".into());
+        self.option("-dc", *dc, |_| "nothing: no lamp goes untested, as with -dt 0".into());
+        self.option("-dp", *dp, |_| "nothing: every path by way of a mirror is followed".into());
+        self.option("-ma", words(ma), |_| "nothing: what fills the scene only absorbs".into());
+        self.option("-mg", *mg, |_| "nothing: what fills the scene only absorbs".into());
+        self.option("-ms", *ms, |_| "nothing: what fills the scene only absorbs".into());
+        self.option("-am", *am, |_| "nothing: there are no photon maps".into());
+        self.option("-cs", *cs, |_| "three colours, as always".into());
+        self.option("-cw", words(cw), |_| "nothing: there are three colours".into());
+        self.switch("-u", *u, "nothing: --seed fixes every random choice", "nothing: --seed fixes every random choice");
+        self.switch("-w", *w, "warnings are shown", "warnings are not shown");
+    }
+}
+
+/// Numbers in a row.
+fn words(values: &Option<Vec<f64>>) -> Option<String> {
+    values.as_ref().map(|v| v.iter().map(f64::to_string).collect::<Vec<_>>().join(" "))
+}
+
+/// Options whose defaults differ from RADIANCE's: whether it was given, its name, RADIANCE's default (`rtrace`, `rpict`), what holds here.
+fn differing(light: &Light) -> [(bool, &'static str, &'static str, &'static str); 9] {
+    [
+        (light.ab.is_some(), "-ab", "0", "all diffuse bounces, ended by roulette without bias"),
+        (light.lr.is_some(), "-lr", "-10, rpict 7", "no limit of reflections"),
+        (light.lw.is_some(), "-lw", "1e-4", "no smallest weight: roulette without bias"),
+        (light.st.is_some(), "-st", ".15", "0: all rough reflection is followed"),
+        (light.ss.is_some(), "-ss", "1", "the rough lobe itself, as with a high -ss"),
+        (light.dj.is_some(), "-dj", "0", "lamps are integrated over all their extent"),
+        (light.ds.is_some() || light.dj.is_none(), "-ds", ".2, rpict .25", "0: one sample of each lamp, as -dj is given"),
+        (light.dr.is_some(), "-dr", "2, rpict 1", "2"),
+        (light.tuning.aa.is_some(), "-aa", ".1, rpict .2", "0: indirect light is not interpolated"),
+    ]
+}
+
+/// What holds for every option, as `rtrace -defaults` lists it. Where there is no number for it, the line is a comment.
+pub fn defaults(arguments: &Arguments) -> String {
+    let (light, rays, picture, tuning) = (&arguments.light, &arguments.rays, &arguments.picture, &arguments.light.tuning);
+    let mut out = String::new();
+    let mut line = |option: String, what: &str| {
+        let _ = writeln!(out, "{option:<24}\t# {what}");
+    };
+    let switch = |name: &str, value: Option<bool>, default: bool| format!("{name}{}", if value.unwrap_or(default) { '+' } else { '-' });
+    let number = |name: &str, value: Option<f64>, otherwise: &str| match value {
+        Some(v) => format!("{name} {v}"),
+        None if otherwise.starts_with(|c: char| c.is_ascii_digit()) => format!("{name} {otherwise}"),
+        None => format!("# {name}: {otherwise}"),
+    };
+    let color = |name: &str, value: &Option<Vec<f64>>| format!("{name} {}", words(value).unwrap_or_else(|| "0 0 0".into()));
+    let whole = |v: Option<i64>| v.map(|v| v as f64);
+    line(switch("-w", tuning.w, true), "warning messages");
+    line(format!("-x {}", picture.x.unwrap_or(0)), "flush interval");
+    line(format!("-y {}", picture.y.unwrap_or(0)), "y resolution");
+    line(switch("-ld", rays.limit, false), "limit distance");
+    line(switch("-h", rays.header, true), "output header");
+    line(format!("-f{}", rays.format.as_deref().unwrap_or("aa")), "format input/output");
+    line(format!("-o{}", rays.specifiers.as_deref().unwrap_or("v")), "output values");
+    let color_space = match (picture.xyz, picture.luminance) {
+        (true, _) => "-pXYZ",
+        (_, true) => "-pY",
+        _ => "-pRGB",
+    };
+    line(color_space.into(), "color output");
+    line(switch("-i", light.irradiance, false), "irradiance calculation");
+    line(switch("-I", rays.point_irradiance, false), "immediate irradiance calculation");
+    line(switch("-u", tuning.u, false), "uncorrelated sampling (--seed fixes every choice)");
+    line(switch("-bv", light.bv, true), "back face visibility");
+    line("-dt 0".into(), "direct threshold");
+    line("-dc 1".into(), "direct certainty");
+    line(number("-dj", light.dj, "lamps are integrated"), "direct jitter");
+    line(number("-ds", light.ds, "0"), "direct sampling (with -dj)");
+    line(format!("-dr {}", light.dr.unwrap_or(2)), "direct relays");
+    line("-dp 0".into(), "direct pretest density");
+    line(switch("-dv", light.dv, true), "direct visibility");
+    line(number("-ss", light.ss, "the lobe itself"), "specular sampling");
+    line(number("-st", light.st, "0"), "specular threshold");
+    line(color("-av", &light.av), "ambient value");
+    line("-aw 0".into(), "ambient value weight");
+    line(number("-ab", whole(light.ab), "all"), "ambient bounces");
+    line("-aa 0".into(), "ambient accuracy");
+    line(color("-me", &light.me), "extinction coefficient of the medium");
+    line(color("-ma", &None), "scattering albedo of the medium");
+    line(number("-lr", light.lr.map(f64::from), "no limit"), "limit reflection");
+    line(number("-lw", light.lw, "no limit, roulette"), "limit weight");
+    out
+}

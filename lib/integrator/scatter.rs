@@ -1,0 +1,360 @@
+//! How a path goes on from a surface: in single directions, by samples of its rough parts, aimed at lamps and at the environment.
+
+use super::{Integrator, Kind, ROULETTE, Scattered, Scattering, Segment, Transport};
+use crate::bsdf::{Arriving, Bsdf, Delta, Part};
+use crate::color::Rgb;
+use crate::geometry::Ray;
+use crate::vector::Vec3;
+use crate::world::{Emitter, Layer};
+
+/// A surface that a path has come to.
+struct Vertex<'v, S> {
+    surface: S,
+    layer: &'v Layer<'v>,
+}
+
+/// How paths go on from a surface. The ways are: its two deltas, its four parts.
+struct Ways {
+    /// What each part gathers; 0 for a part that gathers nothing here.
+    weights: [f64; 4],
+    /// The expected number of samples of each part, per way to sample it; 0 for a part that is not integrated.
+    counts: [f64; 4],
+    /// The probability of each way, 1 if all are taken.
+    share: [f64; 6],
+    /// The one that is taken; all if `None`.
+    chosen: Option<usize>,
+    /// The expected number of directions aimed at the environment.
+    aimed: f64,
+}
+
+impl Ways {
+    fn take(&self, way: usize) -> bool {
+        self.chosen.is_none_or(|c| c == way)
+    }
+}
+
+impl<B: Clone> Integrator<'_, B> {
+    /// Scattering at a surface: `at` begins there, with the direction it came with.
+    pub(super) fn scatter<T: Transport<Beta = B>>(&mut self, transport: &mut T, mut at: Segment<B>, layer: &Layer) {
+        let vertex = Vertex { surface: transport.surface(layer, self.rules), layer };
+        at.limit = f64::INFINITY;
+        if at.aim.is_some() {
+            let way = layer.relay.is_none() as usize;
+            if let Some(delta) = &vertex.surface.deltas()[way] {
+                let mut next = self.after(transport, &mut at, &vertex, delta);
+                if let Some(lamp) = layer.relay {
+                    next.aim = Some(Emitter::Lamp(lamp));
+                }
+                self.stack.push(next);
+            }
+            return;
+        }
+        let ways = self.ways(transport, &mut at, &vertex);
+        self.aim_at_lamps(transport, &mut at, &vertex, &ways.counts);
+        self.aim_at_environment(transport, &mut at, &vertex, &ways);
+        for part in Part::ALL {
+            if ways.weights[part as usize] > 0.0 && ways.take(2 + part as usize) {
+                self.gather(transport, &mut at, &vertex, part, &ways);
+            }
+        }
+        for side in 0..2 {
+            if let Some(delta) = vertex.surface.deltas()[side].as_ref().filter(|_| ways.take(side)) {
+                self.follow(transport, &mut at, &vertex, delta, ways.share[side]);
+            }
+        }
+    }
+
+    /// How to go on from a surface: in every way there is while nothing was left to chance, else in one, chosen in proportion to what it carries.
+    fn ways<T: Transport<Beta = B>>(&mut self, transport: &mut T, at: &mut Segment<B>, vertex: &Vertex<T::Surface>) -> Ways {
+        let surface = &vertex.surface;
+        let mut ways = Ways { weights: surface.weights(), counts: [0.0; 4], share: [1.0; 6], chosen: None, aimed: 1.0 };
+        if at.bounces >= self.rules.ambient_bounces || !vertex.layer.gathers {
+            for side in 0..2 {
+                if std::mem::take(&mut ways.weights[side]) > 0.0 && self.rules.ambient_value != Rgb::ZERO {
+                    transport.collect(&transport.ambient(&at.beta, surface, side), self.rules.ambient_value);
+                }
+            }
+        }
+        if !at.exact {
+            let deltas = surface.deltas().map(|d| d.map_or(0.0, |d| d.coefficient.max_element()));
+            let carried = std::array::from_fn(|i| if i < 2 { deltas[i] } else { ways.weights[i - 2] });
+            let total: f64 = carried.iter().sum();
+            if total > 0.0 {
+                ways.share = carried.map(|c| c / total);
+                ways.chosen = Some(self.choose(at, &ways.share));
+            }
+        }
+        let (rates, aimed) = surface.rates();
+        ways.aimed = if at.exact { aimed } else { 1.0 };
+        for part in Part::ALL {
+            let k = part as usize;
+            if ways.weights[k] > 0.0 && self.spread(part, surface.bsdf()).is_none() {
+                ways.counts[k] = if at.exact { rates[k] } else { ways.share[2 + k] / surface.ways(part) as f64 };
+            }
+        }
+        ways
+    }
+
+    /// One of several ways, with these probabilities.
+    fn choose(&mut self, at: &mut Segment<B>, share: &[f64; 6]) -> usize {
+        let mut u = self.draw(at)[0];
+        let last = share.iter().rposition(|&s| s > 0.0).unwrap_or(0);
+        share[..last]
+            .iter()
+            .position(|s| {
+                u -= s;
+                u < 0.0
+            })
+            .unwrap_or(last)
+    }
+
+    /// Two random numbers.
+    fn draw(&mut self, at: &mut Segment<B>) -> [f64; 2] {
+        self.outcome.random = true;
+        at.sampler.pair()
+    }
+
+    /// The narrowing of a lobe that RADIANCE's unweighted rule samples; `None` where the lobe itself is integrated.
+    fn spread(&self, part: Part, bsdf: &Bsdf) -> Option<f64> {
+        if bsdf.is_unweighted(part) {
+            return Some(1.0);
+        }
+        let s = self.rules.specular_sampling?;
+        match part {
+            Part::SpecularReflection if s <= 1.5 => Some(s.min(1.0)),
+            Part::SpecularTransmission if s < 1.0 => Some(s),
+            _ => None,
+        }
+    }
+
+    /// Samples one part, and sends paths on.
+    fn gather<T: Transport<Beta = B>>(
+        &mut self,
+        transport: &mut T,
+        at: &mut Segment<B>,
+        vertex: &Vertex<T::Surface>,
+        part: Part,
+        ways: &Ways,
+    ) {
+        let (k, surface) = (part as usize, &vertex.surface);
+        let next = At { part, weight: self.factor(ways.weights[k], ways.share[2 + k]), layer: vertex.layer };
+        let mut from = Scattered { origin: at.ray.origin, direction: Vec3::ZERO, density: 0.0, lamps: 0.0, shared: 0.0 };
+        if let Some(spread) = self.spread(part, surface.bsdf()) {
+            let mut sampler = at.sampler.fork();
+            if let Some((wi, color)) = surface.bsdf().unweighted(part, spread, &mut sampler) {
+                let mut beta = at.beta.clone();
+                transport.scale(&mut beta, color / ways.share[2 + k]);
+                from.direction = surface.bsdf().to_world(wi);
+                self.outcome.random |= spread > 0.0;
+                at.exact &= spread == 0.0;
+                self.send(transport, at, beta, from, &next);
+            }
+            return;
+        }
+        let count = surface.ways(part);
+        let only = if at.exact || count == 1 { None } else { Some(((self.draw(at)[0] * count as f64) as usize).min(count - 1)) };
+        from.shared = ways.aimed;
+        for way in (0..count).filter(|&w| only.is_none_or(|o| o == w)) {
+            // A part that is not worth a sample each time gets one now and then.
+            if at.exact && ways.counts[k] < 1.0 && self.draw(at)[0] >= ways.counts[k] {
+                continue;
+            }
+            let u = self.draw(at);
+            let Some(wi) = surface.sample(part, way, u) else { continue };
+            from.direction = surface.bsdf().to_world(wi);
+            from.lamps = if self.rules.light_jitter.is_none() { surface.lamp_ratio(part, wi).unwrap_or(0.0) } else { 0.0 };
+            let beta;
+            (beta, from.density) = transport.drawn(&at.beta, surface, wi, part, way, ways.counts[k]);
+            let exact = std::mem::take(&mut at.exact);
+            self.send(transport, at, beta, from, &next);
+            at.exact = exact;
+        }
+    }
+
+    /// What a way that carries `carried` and is taken with probability `share` multiplies the weight of a path with: where RADIANCE's limits
+    /// are given, what it does there; else what the throughput is on the average multiplied with.
+    fn factor(&self, carried: f64, share: f64) -> f64 {
+        if self.rules.limit_weight.is_some() || self.rules.limit_reflections.is_some() { carried } else { carried / share }
+    }
+
+    /// Sends a path on from a rough surface.
+    fn send<T: Transport<Beta = B>>(&mut self, transport: &mut T, at: &mut Segment<B>, beta: B, from: Scattered, next: &At) {
+        let sampler = at.sampler.fork();
+        let ray = Ray { origin: at.ray.origin, direction: from.direction };
+        let bounces = at.bounces + next.part.diffuse() as u32;
+        let reflected = next.part.side() == 0;
+        let path = Segment { ray, beta, sampler, bounces, scattered: Some(from), kind: Kind::Scattered, ..at.clone() };
+        let path = if reflected { path } else { path.beyond(next.layer) };
+        self.push(transport, path, next.weight, reflected);
+    }
+
+    /// The path behind a direction that is scattered into alone.
+    fn after<T: Transport<Beta = B>>(
+        &mut self,
+        transport: &T,
+        at: &mut Segment<B>,
+        vertex: &Vertex<T::Surface>,
+        delta: &Delta,
+    ) -> Segment<B> {
+        let kind = if delta.reflected { Kind::Reflected } else { Kind::Transmitted };
+        let beta = transport.follow(&at.beta, &vertex.surface, delta);
+        let mut next = Segment { sampler: at.sampler.fork(), beta, kind, ..at.clone() };
+        next.ray.direction = delta.direction;
+        if let Some(medium) = delta.medium {
+            next.medium = medium;
+        }
+        if delta.reflected { next } else { next.beyond(vertex.layer) }
+    }
+
+    /// Follows a direction that is scattered into alone, taken with probability `share`.
+    fn follow<T: Transport<Beta = B>>(
+        &mut self,
+        transport: &mut T,
+        at: &mut Segment<B>,
+        vertex: &Vertex<T::Surface>,
+        delta: &Delta,
+        share: f64,
+    ) {
+        let mut next = self.after(transport, at, vertex, delta);
+        if share != 1.0 {
+            transport.scale(&mut next.beta, Rgb::splat(1.0 / share));
+        }
+        // Lamps and environment were not aimed at by way of a mirror.
+        if delta.reflected
+            && let Some(s) = &mut next.scattered
+        {
+            (s.lamps, s.shared) = (0.0, 0.0);
+        }
+        let weight = self.factor(delta.coefficient.max_element(), share);
+        self.push(transport, next, weight, delta.reflected);
+    }
+
+    /// Sends a path on if RADIANCE's limits, or roulette, let it live.
+    fn push<T: Transport<Beta = B>>(&mut self, transport: &mut T, mut next: Segment<B>, coefficient: f64, reflected: bool) {
+        next.level += reflected as i32;
+        next.weight *= coefficient.min(1.0);
+        let least = match (self.rules.limit_reflections, self.rules.limit_weight) {
+            (Some(most), least) if most > 0 => {
+                if next.level <= most && next.weight >= least.unwrap_or(0.0) {
+                    self.stack.push(next);
+                }
+                return;
+            }
+            (most, least) => {
+                if most.is_some_and(|m| m < 0 && next.level > -m) {
+                    return;
+                }
+                least.unwrap_or(ROULETTE)
+            }
+        };
+        if next.weight < least {
+            let survival = next.weight / least;
+            self.outcome.random = true;
+            if !(next.sampler.single() < survival) {
+                return;
+            }
+            transport.scale(&mut next.beta, Rgb::splat(1.0 / survival));
+            next.weight = least;
+        }
+        self.stack.push(next);
+    }
+
+    /// Direct light of lamps.
+    fn aim_at_lamps<T: Transport<Beta = B>>(
+        &mut self,
+        transport: &mut T,
+        at: &mut Segment<B>,
+        vertex: &Vertex<T::Surface>,
+        counts: &[f64; 4],
+    ) {
+        let (world, surface) = (self.world, &vertex.surface);
+        if world.lamps().is_empty() {
+            return;
+        }
+        if let Some(jitter) = self.rules.light_jitter {
+            let fraction = self.rules.light_division / at.weight;
+            for (lamp, form) in world.lamps().iter().enumerate() {
+                let mut sampler = at.sampler.fork();
+                form.parts(at.ray.origin, jitter, fraction, &mut || sampler.pair(), &mut |sample| {
+                    let wi = surface.bsdf().to_local(sample.direction);
+                    let beta = transport.aimed(&at.beta, surface, wi, Arriving::Lamp(sample.omega), 1.0 / sample.omega, &[0.0; 4]);
+                    self.shadow(transport, at, vertex.layer, beta, (sample.direction, sample.distance), Emitter::Lamp(lamp));
+                });
+            }
+            self.outcome.random |= jitter > 0.0;
+            return;
+        }
+        let (u, v) = (self.draw(at), self.draw(at));
+        let Some(sample) = world.sample_lamp(at.ray.origin, v[0], u) else { return };
+        let wi = surface.bsdf().to_local(sample.to.direction);
+        let counts = std::array::from_fn(|k| match counts[k] {
+            count if count > 0.0 && sample.shared && surface.lamp_ratio(Part::ALL[k], wi).is_some() => count,
+            _ => 0.0,
+        });
+        let beta = transport.aimed(&at.beta, surface, wi, Arriving::Lamp(0.0), sample.pdf, &counts);
+        self.shadow(transport, at, vertex.layer, beta, (sample.to.direction, sample.to.distance), Emitter::Lamp(sample.lamp));
+    }
+
+    /// Light of the environment, for the parts that gather it.
+    fn aim_at_environment<T: Transport<Beta = B>>(
+        &mut self,
+        transport: &mut T,
+        at: &mut Segment<B>,
+        vertex: &Vertex<T::Surface>,
+        ways: &Ways,
+    ) {
+        if ways.counts == [0.0; 4] || !self.world.has_environment() {
+            return;
+        }
+        if ways.aimed < 1.0 && self.draw(at)[0] >= ways.aimed {
+            return;
+        }
+        let u = self.draw(at);
+        let Some((direction, pdf)) = self.world.sample_environment(u) else { return };
+        let wi = vertex.surface.bsdf().to_local(direction);
+        let beta = transport.aimed(&at.beta, &vertex.surface, wi, Arriving::Indirect, ways.aimed * pdf, &ways.counts);
+        self.shadow(transport, at, vertex.layer, beta, (direction, f64::INFINITY), Emitter::Environment);
+    }
+
+    /// Sends a shadow ray in a direction, to something at a distance. Where nothing is transparent it is settled at once.
+    fn shadow<T: Transport<Beta = B>>(
+        &mut self,
+        transport: &mut T,
+        at: &Segment<B>,
+        layer: &Layer,
+        beta: B,
+        (direction, distance): (Vec3, f64),
+        aim: Emitter,
+    ) {
+        if transport.size(&beta) == 0.0 {
+            return;
+        }
+        let ray = Ray { origin: at.ray.origin, direction };
+        let mut next = Segment { ray, beta, sampler: at.sampler.clone(), aim: Some(aim), kind: Kind::Shadow, ..at.clone() };
+        if layer.clip.is_some() && direction.dot(layer.point.geometric) < 0.0 {
+            next = next.beyond(layer);
+        }
+        if self.world.transparent() || distance < f64::INFINITY {
+            self.stack.push(next);
+        } else if !self.world.occluded(&next.ray) {
+            self.escape(transport, next);
+        }
+    }
+}
+
+/// How a path leaves a rough surface: by which part, with which factor on its weight, from which layer.
+struct At<'v> {
+    part: Part,
+    weight: f64,
+    layer: &'v Layer<'v>,
+}
+
+impl<B> Segment<B> {
+    /// The same path on the other side of what it met.
+    pub(super) fn beyond(mut self, layer: &Layer) -> Self {
+        if layer.clip.is_some() {
+            self.clip.clone_from(&layer.clip);
+        }
+        self
+    }
+}

@@ -1,0 +1,427 @@
+//! A scene in the making: names are looked up as RADIANCE looks them up, each modifier is resolved once.
+
+use super::{Chain, ChainId, Distant, End, Error, Form, Link, MaterialId, Named, Result, Scene, Surface};
+use crate::expand::{Annotation, expand};
+use crate::geometry::{LEVELS, Mesh, Shape};
+use crate::import::{self, MeshMaterial, Octree};
+use crate::material::Material;
+use crate::pattern::{Mixture, Pattern, Sources, Texture};
+use crate::rad::{Class, Document, Primitive};
+use crate::resolve::Resolve;
+use crate::support::unsupported;
+use crate::transform::Transform;
+use crate::vector::Vec3;
+use std::collections::HashMap;
+use std::rc::Rc;
+use std::sync::Arc;
+
+/// Mixtures may stand this deep within each other.
+const DEPTH_LIMIT: usize = 32;
+
+/// Why something could not be resolved.
+pub(super) enum Unresolved {
+    /// RADIANCE can render it, this program cannot.
+    Unsupported(Error),
+    /// It is wrong.
+    Wrong(Error),
+}
+
+impl From<Error> for Unresolved {
+    fn from(error: Error) -> Self {
+        Self::Wrong(error)
+    }
+}
+
+impl From<Unresolved> for Error {
+    fn from(unresolved: Unresolved) -> Self {
+        let (Unresolved::Unsupported(error) | Unresolved::Wrong(error)) = unresolved;
+        error
+    }
+}
+
+type Resolved<T> = std::result::Result<T, Unresolved>;
+
+/// The place of a definition.
+type DefinitionId = usize;
+
+/// A modifier that was defined: what it is, and what is behind it.
+#[derive(Clone)]
+struct Definition {
+    name: String,
+    primitive: Rc<Primitive>,
+    behind: Option<DefinitionId>,
+    /// How many definitions stood before it: names in its strings mean the latest of those (semantics 1.3).
+    order: u32,
+}
+
+/// Every definition of each name, in order: what names mean in one scene, mesh or octree.
+type Names = HashMap<String, Vec<DefinitionId>>;
+
+/// A mesh of a file, and the chains of the materials it brings along.
+type Model = (Arc<Mesh>, Vec<ChainId>);
+
+/// A scene in the making.
+pub(super) struct Builder<'a> {
+    pub scene: Scene,
+    resolve: &'a dyn Resolve,
+    skip_unsupported: bool,
+    sources: Sources<'a>,
+    definitions: Vec<Definition>,
+    names: Names,
+    chains: HashMap<Option<DefinitionId>, ChainId>,
+    materials: HashMap<*const Primitive, MaterialId>,
+    links: HashMap<*const Primitive, Link>,
+    models: HashMap<String, Model>,
+    groups: HashMap<String, Arc<Vec<Surface>>>,
+    /// The octrees that are being read, one within another.
+    within: Vec<String>,
+    /// Mixtures that are being resolved, one within another.
+    depth: usize,
+}
+
+impl<'a> Builder<'a> {
+    pub fn new(resolve: &'a dyn Resolve, skip_unsupported: bool) -> Self {
+        Self {
+            scene: Scene::default(),
+            resolve,
+            skip_unsupported,
+            sources: Sources::new(resolve),
+            definitions: Vec::new(),
+            names: HashMap::new(),
+            chains: HashMap::new(),
+            materials: HashMap::new(),
+            links: HashMap::new(),
+            models: HashMap::new(),
+            groups: HashMap::new(),
+            within: Vec::new(),
+            depth: 0,
+        }
+    }
+
+    /// Turns what cannot be rendered into a warning, if that was asked for.
+    pub fn forgive(&mut self, added: Resolved<()>) -> Result<()> {
+        match added {
+            Err(Unresolved::Unsupported(error)) if self.skip_unsupported => {
+                self.scene.warnings.push(format!("left out: {}", error.message));
+                Ok(())
+            }
+            other => other.map_err(Error::from),
+        }
+    }
+
+    /// The latest definition of `name` before the definition `before`.
+    fn find(&self, name: &str, before: usize) -> Option<DefinitionId> {
+        self.names.get(name)?.iter().rev().copied().find(|&d| d < before)
+    }
+
+    /// The modifier of a primitive.
+    fn modifier(&self, primitive: &Primitive) -> Result<Option<DefinitionId>> {
+        match primitive.modifier.as_str() {
+            "void" => Ok(None),
+            name => match self.find(name, self.definitions.len()) {
+                Some(definition) => Ok(Some(definition)),
+                None => {
+                    Err(primitive.modifier_error(format!("no modifier `{name}` is defined before this; define it above, or write void")))
+                }
+            },
+        }
+    }
+
+    /// Takes a modifier in. An alias stands for what it names, or for that with another modifier (semantics 1.4).
+    pub fn define(&mut self, primitive: &Primitive) -> Result<()> {
+        let order = self.definitions.len() as u32;
+        let definition = if primitive.kind == "alias" {
+            let target = primitive.strings.first().map_or("", String::as_str);
+            let Some(found) = self.find(target, self.definitions.len()) else {
+                return Err(primitive.string_error(0, format!("no modifier `{target}` is defined before this alias")));
+            };
+            let named = self.definitions[found].clone();
+            let behind = if primitive.modifier == "inherit" { named.behind } else { self.modifier(primitive)? };
+            Definition { name: primitive.name.clone(), behind, ..named }
+        } else {
+            Definition { name: primitive.name.clone(), primitive: Rc::new(primitive.clone()), behind: self.modifier(primitive)?, order }
+        };
+        self.names.entry(primitive.name.clone()).or_default().push(self.definitions.len());
+        self.definitions.push(definition);
+        Ok(())
+    }
+
+    /// Takes a distant source in.
+    pub fn source(&mut self, primitive: &Primitive) -> Resolved<()> {
+        let modifier = self.modifier(primitive)?;
+        let chain = self.chain(modifier)?;
+        let [x, y, z, angle] = primitive.reals[..] else { return Err(primitive.error("a source needs 4 real arguments").into()) };
+        let direction = Vec3::new(x, y, z);
+        if !(direction.length() > 0.0) {
+            return Err(primitive.real_error(0, "the direction of a source must not be zero").into());
+        }
+        if !(angle > 0.0) {
+            return Err(primitive.real_error(3, "the angle of a source must be above 0").into());
+        }
+        self.scene.sources.push(Distant {
+            name: primitive.name.clone(),
+            modifier: primitive.modifier.clone(),
+            direction: direction.normalize(),
+            spread: 1.0 - (angle.to_radians() / 2.0).cos(),
+            chain,
+        });
+        Ok(())
+    }
+
+    /// The surface that a primitive describes; `None` if it is none, as a ring without width.
+    pub fn surface(&mut self, primitive: &Primitive) -> Resolved<Option<Surface>> {
+        let modifier = self.modifier(primitive)?;
+        let own = match modifier {
+            Some(_) => Some(self.chain(modifier)?),
+            None => None,
+        };
+        let placed = || Transform::parse(primitive.strings.get(1..).unwrap_or_default()).map(|t| t.0);
+        let placed = || placed().map_err(|e| primitive.string_error(1, e.message));
+        let (form, chains) = match primitive.kind.as_str() {
+            "mesh" => {
+                let transform = placed()?;
+                let (mesh, embedded) = self.model(primitive)?;
+                (Form::Mesh(mesh, transform), own.map_or(embedded, |chain| vec![chain]))
+            }
+            "instance" => (Form::Group(self.group(primitive)?, placed()?), own.into_iter().collect()),
+            kind => {
+                let shape = Shape::new(kind, &primitive.reals, &mut self.scene.warnings).map_err(|e| primitive.error(e))?;
+                let Some(shape) = shape else { return Ok(None) };
+                (Form::Shape(shape), vec![self.chain(modifier)?])
+            }
+        };
+        Ok(Some(Surface { name: primitive.name.clone(), modifier: primitive.modifier.clone(), form, chains }))
+    }
+
+    /// The resolved form of a modifier and all behind it.
+    fn chain(&mut self, modifier: Option<DefinitionId>) -> Resolved<ChainId> {
+        if let Some(&known) = self.chains.get(&modifier) {
+            return Ok(known);
+        }
+        let mut chain = Chain::default();
+        if let Some(id) = modifier {
+            (chain.name, chain.order) = (self.definitions[id].name.clone(), id as u32);
+        }
+        let mut at = modifier;
+        while let Some(id) = at {
+            let Definition { primitive, behind, order, .. } = self.definitions[id].clone();
+            at = behind;
+            match primitive.type_of().map(|t| t.class) {
+                Some(Class::Pattern | Class::Texture) => chain.links.push(self.link(&primitive)?),
+                Some(Class::Mixture) => self.mixture(&mut chain, &primitive, behind, order)?,
+                _ => match chain.end {
+                    End::Void => {
+                        chain.before = chain.links.len();
+                        chain.end = End::Material(self.material(&primitive, order)?);
+                    }
+                    _ => return Err(conflict(&primitive).into()),
+                },
+            }
+        }
+        self.scene.chains.push(chain);
+        self.chains.insert(modifier, self.scene.chains.len() - 1);
+        Ok(self.scene.chains.len() - 1)
+    }
+
+    /// Adds a mixture to a chain: of materials it is its end, of patterns and textures a link.
+    fn mixture(&mut self, chain: &mut Chain, primitive: &Rc<Primitive>, behind: Option<DefinitionId>, order: u32) -> Resolved<()> {
+        if self.depth == DEPTH_LIMIT {
+            return Err(primitive.error(format!("mixtures stand more than {DEPTH_LIMIT} deep within each other")).into());
+        }
+        let coefficient = Mixture::compile(primitive, &mut self.sources)?.ok_or_else(|| Unresolved::Unsupported(unsupported(primitive)))?;
+        self.depth += 1;
+        let sides = [0, 1].map(|i| {
+            let void = primitive.strings[i] == "void";
+            let found = if void { None } else { Some(self.late(primitive, i, order)?) };
+            self.chain(found)
+        });
+        self.depth -= 1;
+        let [fore, back] = sides;
+        let (fore, back) = (fore?, back?);
+        let [a, b] = [fore, back].map(|side| &self.scene.chains[side]);
+        if let (End::Void, End::Void) = (&a.end, &b.end) {
+            chain.links.push(Link::Mixture(Arc::new((coefficient, a.links.clone(), b.links.clone()))));
+            return Ok(());
+        }
+        if !matches!(chain.end, End::Void) {
+            return Err(conflict(primitive).into());
+        }
+        if behind.is_some() {
+            return Err(primitive.modifier_error("a mixture of materials must have the modifier void").into());
+        }
+        chain.before = chain.links.len();
+        chain.end = End::Mixture(Arc::new(coefficient), fore, back);
+        Ok(())
+    }
+
+    /// A modifier that a string argument names: the latest before the primitive.
+    fn late(&self, primitive: &Primitive, string: usize, order: u32) -> Result<DefinitionId> {
+        let name = &primitive.strings[string];
+        self.find(name, order as usize)
+            .ok_or_else(|| primitive.string_error(string, format!("no modifier `{name}` is defined before this")))
+    }
+
+    /// The compiled pattern or texture of a primitive.
+    fn link(&mut self, primitive: &Rc<Primitive>) -> Resolved<Link> {
+        if let Some(known) = self.links.get(&Rc::as_ptr(primitive)) {
+            return Ok(known.clone());
+        }
+        let link = if let Some(pattern) = Pattern::compile(primitive, &mut self.sources)? {
+            Link::Pattern(Arc::new(pattern))
+        } else if let Some(texture) = Texture::compile(primitive, &mut self.sources)? {
+            Link::Texture(Arc::new(texture))
+        } else {
+            return Err(Unresolved::Unsupported(unsupported(primitive)));
+        };
+        self.links.insert(Rc::as_ptr(primitive), link.clone());
+        Ok(link)
+    }
+
+    /// The place of the material that a primitive defines.
+    fn material(&mut self, primitive: &Rc<Primitive>, order: u32) -> Resolved<MaterialId> {
+        if let Some(&known) = self.materials.get(&Rc::as_ptr(primitive)) {
+            return Ok(known);
+        }
+        let Some(material) = Material::of(primitive, &mut self.sources)? else {
+            return Err(Unresolved::Unsupported(unsupported(primitive)));
+        };
+        let alternate = match (&material, primitive.strings.first().map(String::as_str)) {
+            (Material::Antimatter, Some("void")) => None,
+            (Material::Antimatter, Some(name)) => match self.find(name, order as usize) {
+                Some(found) => Some(self.chain(Some(found))?),
+                None => return Err(primitive.string_error(0, format!("no modifier `{name}` is defined before this")).into()),
+            },
+            (Material::Illum(_) | Material::Mirror(_), Some(name)) => {
+                let found = if name == "void" { None } else { Some(self.late(primitive, 0, order)?) };
+                Some(self.chain(found)?)
+            }
+            _ => None,
+        };
+        let mut removes = Vec::new();
+        if let Material::Antimatter = material {
+            for name in primitive.strings.iter().filter(|name| *name != "void") {
+                match self.find(name, order as usize) {
+                    Some(found) => removes.push(self.chain(Some(found))?),
+                    None => self.scene.warnings.push(format!("antimatter `{}`: no modifier `{name}` is defined before it", primitive.name)),
+                }
+            }
+        }
+        let orientation = Texture::orientation(primitive, &mut self.sources)?;
+        let name = primitive.name.clone();
+        self.scene.materials.push(Named { name, material, orientation, alternate, removes });
+        self.materials.insert(Rc::as_ptr(primitive), self.scene.materials.len() - 1);
+        Ok(self.scene.materials.len() - 1)
+    }
+
+    /// The bytes of the file that a primitive names, and its name.
+    fn file(&self, primitive: &Primitive) -> Result<(String, Vec<u8>)> {
+        let Some(name) = primitive.strings.first() else {
+            return Err(primitive.error(format!("{} needs the name of its file", primitive.kind)));
+        };
+        Ok((name.clone(), self.resolve.library(name).map_err(|e| primitive.string_error(0, e.message))?))
+    }
+
+    /// The mesh file that a primitive names.
+    fn model(&mut self, primitive: &Primitive) -> Resolved<Model> {
+        if let Some(known) = primitive.strings.first().and_then(|name| self.models.get(name)) {
+            return Ok(known.clone());
+        }
+        let (name, bytes) = self.file(primitive)?;
+        let file = import::mesh(bytes, &name)?;
+        let first = self.definitions.len();
+        let outer = std::mem::take(&mut self.names);
+        let defined = file.scene.primitives().try_for_each(|p| self.define(p));
+        let named = |builder: &Self, name: &str| {
+            let found = outer.get(name).and_then(|d| d.last()).copied();
+            found.or_else(|| builder.find(name, usize::MAX)).ok_or_else(|| {
+                primitive.string_error(0, format!("it uses the material `{name}`, which is not defined before this; define it above"))
+            })
+        };
+        let chains = defined.map_err(Unresolved::Wrong).and_then(|()| {
+            file.materials
+                .iter()
+                .map(|material| match material {
+                    MeshMaterial::Void => self.chain(None),
+                    MeshMaterial::Embedded(i) => self.chain(Some(first + i)),
+                    MeshMaterial::Named(name) => {
+                        let found = named(self, name)?;
+                        self.chain(Some(found))
+                    }
+                })
+                .collect::<Resolved<Vec<_>>>()
+        });
+        self.names = outer;
+        let model = (Arc::new(file.mesh), chains?);
+        self.models.insert(name, model.clone());
+        Ok(model)
+    }
+
+    /// The surfaces of the octree that a primitive names. Its sources and lights light nothing (semantics 2.4).
+    fn group(&mut self, primitive: &Primitive) -> Resolved<Arc<Vec<Surface>>> {
+        let (name, bytes) = match primitive.strings.first().and_then(|name| self.groups.get(name)) {
+            Some(known) => return Ok(known.clone()),
+            None => self.file(primitive)?,
+        };
+        if self.within.contains(&name) {
+            return Err(primitive.string_error(0, format!("{name} contains an instance of itself")).into());
+        }
+        if self.within.len() == LEVELS {
+            return Err(primitive.string_error(0, format!("instances stand more than {LEVELS} deep within each other")).into());
+        }
+        let documents = match import::octree(&bytes, &name)? {
+            Octree::Scene(document) => vec![document],
+            Octree::Files(files) => files.iter().map(|file| self.part(file)).collect::<Result<_>>()?,
+        };
+        let flat = expand(documents, self.resolve)?;
+        self.within.push(name.clone());
+        let outer = std::mem::take(&mut self.names);
+        let surfaces = self.surfaces(&flat.primitives);
+        self.names = outer;
+        self.within.pop();
+        let group = Arc::new(surfaces?);
+        self.groups.insert(name, group.clone());
+        Ok(group)
+    }
+
+    /// A scene file that an octree was made from, or the output of a command.
+    fn part(&self, file: &str) -> Result<Document> {
+        let bytes = match file.strip_prefix('!') {
+            Some(command) => self.resolve.command(command)?,
+            None => self.resolve.scene(file)?,
+        };
+        Document::read(file, bytes)
+    }
+
+    /// The surfaces among the primitives of an octree.
+    fn surfaces(&mut self, primitives: &[Primitive]) -> Resolved<Vec<Surface>> {
+        let mut surfaces = Vec::new();
+        for primitive in primitives {
+            let added = match (primitive.type_of().map(|t| t.class), primitive.kind.as_str()) {
+                (Some(Class::Surface), "source") => Ok(()),
+                (Some(Class::Surface), _) => self.surface(primitive).map(|surface| surfaces.extend(surface)),
+                _ => self.define(primitive).map_err(Unresolved::Wrong),
+            };
+            self.forgive(added)?;
+        }
+        Ok(surfaces)
+    }
+
+    /// A measured place of an environment map: `#@probe X Y Z GLOW_ID`.
+    pub fn probe(&mut self, annotation: &Annotation) -> Result<()> {
+        let wrong = || annotation.span.error("a probe is written #@probe X Y Z GLOW_ID");
+        let [x, y, z, name] = &annotation.arguments[..] else { return Err(wrong()) };
+        let number = |word: &String| word.parse::<f64>().ok().filter(|v| v.is_finite()).ok_or_else(wrong);
+        let place = Vec3::new(number(x)?, number(y)?, number(z)?);
+        let Some(glow) = self.find(name, self.definitions.len()) else {
+            return Err(annotation.span.error(format!("no glow `{name}` is defined")));
+        };
+        let chain = self.chain(Some(glow))?;
+        self.scene.probes.push((place, chain));
+        Ok(())
+    }
+}
+
+/// Two materials in one chain.
+fn conflict(primitive: &Primitive) -> Error {
+    primitive.error(format!("conflicting material: there is another one before `{}` in the chain of modifiers", primitive.name))
+}

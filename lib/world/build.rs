@@ -1,0 +1,254 @@
+//! Scene → World: surfaces into the hierarchy, lights into the list of lamps, mirrors into more lamps.
+
+use super::{Body, Source, Surface, World};
+use crate::accel::{self, Accel, Geometry, Rank};
+use crate::color::bright;
+use crate::environment::Environment;
+use crate::error::{Error, Result};
+use crate::geometry::{LightShape, Plane};
+use crate::light::{self, Lamp, Relay};
+use crate::material::Material;
+use crate::rules::Rules;
+use crate::scene::{self, ChainId, Distant, End, Form, Scene};
+use crate::vector::Vec3;
+use std::collections::HashMap;
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+/// The rows of the table of an environment.
+const ENVIRONMENT_ROWS: usize = 512;
+
+/// The most lamps, those seen in mirrors included.
+const LAMP_LIMIT: usize = 100_000;
+
+/// The surfaces of octrees that were built already.
+type Groups = HashMap<*const Vec<scene::Surface>, (Arc<Accel>, Arc<Vec<Surface>>)>;
+
+/// A flat mirror.
+struct Mirror {
+    surface: u32,
+    plane: Plane,
+    /// A sphere round it.
+    center: Vec3,
+    radius: f64,
+}
+
+impl World {
+    /// The world of a scene. Surfaces without a material are not there; `rules` say whether backs are.
+    pub fn new(scene: Scene, rules: &Rules) -> Result<Self> {
+        let Scene { surfaces, sources, chains, materials, .. } = scene;
+        let mut world = Self {
+            accel: Accel::build(Vec::new())?,
+            surfaces: Vec::new(),
+            chains,
+            materials,
+            sources: Vec::new(),
+            lamps: Vec::new(),
+            environment: None,
+            transparent: !rules.back_visible,
+            gathers: Vec::new(),
+            removable: Vec::new(),
+            scale: 1.0,
+            unknown: None,
+        };
+        if let Some((included, names)) = &rules.gathering {
+            world.gathers = world.chains.iter().map(|chain| names.contains(&chain.name) == *included).collect();
+        }
+        if world.materials.iter().any(|m| !m.removes.is_empty()) {
+            world.removable = vec![false; world.chains.len()];
+            world.materials.iter().flat_map(|m| &m.removes).for_each(|&chain| world.removable[chain] = true);
+        }
+        let mut mirrors = Vec::new();
+        for surface in &surfaces {
+            if let (Form::Shape(shape), Some(&chain)) = (&surface.form, surface.chains.first())
+                && world.is_mirror(chain)
+                && let Some(plane) = shape.plane()
+            {
+                let bounds = shape.bounds();
+                let radius = (bounds.max - bounds.min).length() / 2.0;
+                mirrors.push((surface as *const scene::Surface, plane, bounds.center(), radius));
+            }
+        }
+        let (mut groups, mut bodies, mut relays) = (Groups::new(), Vec::new(), Vec::new());
+        for surface in &surfaces {
+            let Some((body, mut built)) = world.surface(surface, &mut groups)? else { continue };
+            if let Form::Shape(shape) = &surface.form {
+                let form = || Ok((light::Form::of(shape.clone()), shape.light()?));
+                let form = || form().map_err(|e: &str| Error::new(format!("{}: {e}", surface.name)));
+                built.lamp = world.lamp(surface.chains[0], form)?;
+            }
+            if let Some(&(_, plane, center, radius)) = mirrors.iter().find(|m| std::ptr::eq(m.0, surface)) {
+                relays.push(Mirror { surface: world.surfaces.len() as u32, plane, center, radius });
+            }
+            bodies.push(body);
+            world.surfaces.push(built);
+        }
+        for source in sources {
+            world.distant(source)?;
+        }
+        world.hide_overlaps();
+        world.relay(&relays, rules.mirror_levels)?;
+        world.accel = Accel::build(bodies)?;
+        let bounds = world.accel.bounds();
+        if !bounds.is_empty() {
+            world.scale = if bounds.size() < 1e-3 { bounds.size() / 1e-3 } else { (bounds.size() / 1e3).max(1.0) };
+        }
+        let middle = if bounds.is_empty() { Vec3::ZERO } else { bounds.center() };
+        if world.sources.iter().any(|s| s.lamp.is_none()) {
+            world.environment = Environment::new(ENVIRONMENT_ROWS, |d| world.glow(middle, d));
+        }
+        Ok(world)
+    }
+
+    /// A surface, for the hierarchy and for what is hit; `None` if nothing of it is visible.
+    fn surface(&mut self, surface: &scene::Surface, groups: &mut Groups) -> Result<Option<(accel::Surface, Surface)>> {
+        let chains = &surface.chains;
+        if !chains.is_empty() && chains.iter().all(|&c| self.is_void(c)) {
+            return Ok(None);
+        }
+        self.transparent |= chains.iter().any(|&c| self.passes(c));
+        let ranks = chains.iter().map(|&c| self.rank(c)).collect();
+        let (geometry, body) = match &surface.form {
+            Form::Shape(shape) => (Geometry::Shape(shape.clone()), Body::Shape(shape.flat())),
+            Form::Mesh(mesh, transform) => {
+                (Geometry::Mesh(mesh.clone(), transform.affine), Body::Mesh(mesh.clone(), *transform, surface.modifier != super::VOID))
+            }
+            Form::Group(inside, transform) => {
+                let (accel, surfaces) = match groups.get(&Arc::as_ptr(inside)) {
+                    Some(known) => known.clone(),
+                    None => {
+                        let (mut bodies, mut surfaces) = (Vec::new(), Vec::new());
+                        for surface in inside.iter() {
+                            if let Some((body, surface)) = self.surface(surface, groups)? {
+                                bodies.push(body);
+                                surfaces.push(surface);
+                            }
+                        }
+                        let built = (Arc::new(Accel::build(bodies)?), Arc::new(surfaces));
+                        groups.insert(Arc::as_ptr(inside), built.clone());
+                        built
+                    }
+                };
+                (Geometry::Group(accel, transform.affine), Body::Group(surfaces, *transform))
+            }
+        };
+        let built = Surface { name: surface.name.clone(), chains: chains.clone(), lamp: None, body };
+        Ok(Some((accel::Surface { geometry, ranks }, built)))
+    }
+
+    /// Whether there is nothing at the end of a chain.
+    fn is_void(&self, chain: ChainId) -> bool {
+        match self.chains[chain].end {
+            End::Void => true,
+            End::Material(_) => false,
+            End::Mixture(_, fore, back) => self.is_void(fore) && self.is_void(back),
+        }
+    }
+
+    /// Whether light may pass through a surface of this chain in a single direction.
+    fn passes(&self, chain: ChainId) -> bool {
+        match self.chains[chain].end {
+            End::Void => true,
+            End::Material(m) => self.materials[m].material.passes(),
+            End::Mixture(_, fore, back) => self.passes(fore) || self.passes(back),
+        }
+    }
+
+    /// Whether a flat surface of this chain shows virtual lamps: a mirror, also one that an illum stands before.
+    fn is_mirror(&self, chain: ChainId) -> bool {
+        let End::Material(m) = self.chains[chain].end else { return false };
+        match (&self.materials[m].material, self.materials[m].alternate) {
+            (Material::Mirror(_), _) => true,
+            (Material::Illum(_), Some(chain)) => {
+                matches!(self.chains[chain].end, End::Material(m) if matches!(self.materials[m].material, Material::Mirror(_)))
+            }
+            _ => false,
+        }
+    }
+
+    /// What decides between coincident surfaces (semantics 2.1).
+    fn rank(&self, chain: ChainId) -> Rank {
+        match self.chains[chain].end {
+            End::Void => Rank::default(),
+            End::Material(m) => {
+                Rank { class: if self.materials[m].material.nominally_transparent() { 1 } else { 2 }, order: self.chains[chain].order }
+            }
+            End::Mixture(..) => Rank { class: 2, order: self.chains[chain].order },
+        }
+    }
+
+    /// Adds a lamp if the chain makes its bearer one; returns its number.
+    fn lamp(&mut self, chain: ChainId, form: impl FnOnce() -> Result<(light::Form, LightShape)>) -> Result<Option<usize>> {
+        let End::Material(m) = self.chains[chain].end else { return Ok(None) };
+        let material = &self.materials[m].material;
+        let (radiance, radius, focus) = match material {
+            Material::Light(radiance) | Material::Illum(radiance) => (radiance, f64::INFINITY, 0.0),
+            Material::Spotlight(radiance, _, aim) => (radiance, f64::INFINITY, aim.length()),
+            Material::Glow(radiance, radius) if *radius > 1e-6 => (radiance, *radius, 0.0),
+            _ => return Ok(None),
+        };
+        let (brightness, largest) = (bright(*radiance).abs(), radiance.max_element());
+        let (illum, glow) = (matches!(material, Material::Illum(_)), matches!(material, Material::Glow(..)));
+        let (form, extent) = form()?;
+        let distant = matches!(form, light::Form::Distant(..));
+        // A light without light is dropped; a distant glow is never a lamp (semantics 2.2, 3.8).
+        if largest <= 1e-6 || distant && glow {
+            return Ok(None);
+        }
+        let shared = focus == 0.0 && !illum;
+        self.lamps.push(Lamp { form, extent, brightness, radius, focus, shared, weak: illum || glow, relay: None });
+        Ok(Some(self.lamps.len() - 1))
+    }
+
+    /// Adds a distant source if it shines.
+    fn distant(&mut self, source: Distant) -> Result<()> {
+        let End::Material(m) = self.chains[source.chain].end else { return Ok(()) };
+        let Distant { name, direction, spread, chain, .. } = source;
+        let form = || Ok((light::Form::Distant(direction, spread), LightShape::distant(direction, 2.0 * PI * spread)));
+        let lamp = self.lamp(chain, form)?;
+        let Some(named) = self.materials.get(m) else { return Ok(()) };
+        if lamp.is_some() || matches!(named.material, Material::Glow(..)) {
+            let clear = named.alternate.is_none_or(|chain| self.is_void(chain));
+            let illum = matches!(named.material, Material::Illum(_)) && clear;
+            self.sources.push(Source { name, direction, spread, chain, lamp, illum });
+        }
+        Ok(())
+    }
+
+    /// A light that an earlier one may hide is not found by chance: what is seen in its direction is the earlier one.
+    fn hide_overlaps(&mut self) {
+        let half = |s: &Source| (1.0 - s.spread).clamp(-1.0, 1.0).acos();
+        for (i, later) in self.sources.iter().enumerate() {
+            let hidden = self.sources[..i]
+                .iter()
+                .any(|s| s.lamp.is_some() && s.direction.angle_between(later.direction) <= half(s) + half(later) + 1e-6);
+            if let (Some(lamp), true) = (later.lamp, hidden) {
+                self.lamps[lamp].shared = false;
+            }
+        }
+    }
+
+    /// Adds the lamps that are seen in flat mirrors, and in these in others, up to `levels` deep.
+    fn relay(&mut self, mirrors: &[Mirror], levels: u32) -> Result<()> {
+        let mut first = 0;
+        for _ in 0..levels {
+            let last = self.lamps.len();
+            for (lamp, mirror) in (first..last).flat_map(|lamp| mirrors.iter().map(move |mirror| (lamp, mirror))) {
+                let before = self.lamps[lamp].relay;
+                // A mirror does not see its own images, nor does it see through another one what is wholly behind that.
+                if before.is_some_and(|b| b.mirror == mirror.surface || b.plane.height(mirror.center) <= -mirror.radius) {
+                    continue;
+                }
+                let seen = self.lamps[lamp].reflected(Relay { mirror: mirror.surface, plane: mirror.plane, lamp });
+                self.lamps.extend(seen);
+                if self.lamps.len() > LAMP_LIMIT {
+                    return Err(Error::new(format!(
+                        "more than {LAMP_LIMIT} lights are seen in the mirrors; -dr 1 leaves out those seen in two, -dr 0 all of them"
+                    )));
+                }
+            }
+            first = last;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,407 @@
+//! What a ray meets: the layers of a surface, and what shines behind everything.
+
+use super::{Clip, Found, Source, World};
+use crate::accel::Hit;
+use crate::bsdf::{Bsdf, Point};
+use crate::color::Rgb;
+use crate::geometry::Ray;
+use crate::material::{Inside, Material, Reflectance};
+use crate::pattern::At;
+use crate::rules::Rules;
+use crate::scene::{Chain, ChainId, End, Link, MaterialId, Named};
+use crate::vector::Vec3;
+use std::f64::consts::PI;
+use std::sync::LazyLock;
+
+/// One layer of what a hit is made of: a mixture has several.
+pub struct Layer<'a> {
+    /// Its share.
+    pub fraction: f64,
+    /// The material; `None` where there is none, and the ray goes on.
+    pub material: Option<&'a Named>,
+    /// The place of the material.
+    pub id: MaterialId,
+    /// What the patterns multiply its colour with.
+    pub pattern: Rgb,
+    /// Where the hit is, as a material needs to know it.
+    pub point: Point,
+    /// The hit as expressions see it.
+    pub at: At<'a>,
+    /// What it emits, if it emits.
+    pub emission: Option<Emission>,
+    /// What filled the way here, where the surface says so: the body that the ray leaves.
+    pub behind: Option<Inside>,
+    /// Whether it gathers indirect light (if not, a given value stands for it).
+    pub gathers: bool,
+    /// Where it relays a shadow ray that was aimed at it: the lamp to aim at from here.
+    pub relay: Option<usize>,
+    /// What becomes of a ray among antimatter that passes; `None` where nothing changes.
+    pub clip: Option<Box<Clip>>,
+}
+
+/// How a ray comes to a surface.
+pub struct Coming<'a> {
+    /// The ray.
+    pub ray: &'a Ray,
+    /// Length of the path before it.
+    pub travelled: f64,
+    /// What it was aimed at.
+    pub aim: Option<Emitter>,
+    /// Whether it is the viewer's own, or has only gone straight on since.
+    pub primary: bool,
+    /// Whether it gathers indirect light: a diffuse or rough scattering was on its way.
+    pub gathered: bool,
+    /// Its state among antimatter.
+    pub clip: Option<&'a Clip>,
+}
+
+/// Light that a path ends in.
+#[derive(Clone, Copy, Debug)]
+pub struct Emission {
+    /// Radiance toward the viewer.
+    pub radiance: Rgb,
+    /// What emits it.
+    pub emitter: Emitter,
+    /// Whether it is a glow seen from beyond its radius, which is visible even where light sources are not.
+    pub beyond: bool,
+}
+
+/// What emits light, as far as sampling goes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Emitter {
+    /// A lamp: rays are aimed at it.
+    Lamp(usize),
+    /// A distant glow: rays are aimed at it if it has a table.
+    Environment,
+    /// A glow that is no lamp: found by chance.
+    Glow,
+    /// Something that only the viewer sees, directly or in mirrors and glass.
+    Hidden,
+}
+
+impl Emission {
+    /// No light.
+    const BLACK: Self = Self { radiance: Rgb::ZERO, emitter: Emitter::Hidden, beyond: false };
+}
+
+/// The largest distance: RADIANCE's infinity, which patterns see.
+const FAR: f64 = 1e10;
+
+impl World {
+    /// What shines from a direction behind everything, for a ray aimed at `aim`, or that gathers indirect light or not.
+    pub fn sky(&self, origin: Vec3, direction: Vec3, aim: Option<Emitter>, gathered: bool) -> Option<Emission> {
+        let aimed = matches!(aim, Some(Emitter::Lamp(_)));
+        self.source(direction, aim, gathered).and_then(|source| self.shine(source, origin, direction, aimed, gathered))
+    }
+
+    /// The radiance of the first glow that contains a direction.
+    pub(super) fn glow(&self, origin: Vec3, direction: Vec3) -> Rgb {
+        let source = self.sources.iter().find(|s| s.lamp.is_none() && s.contains(direction));
+        source.and_then(|s| self.shine(s, origin, direction, false, false)).map_or(Rgb::ZERO, |e| e.radiance)
+    }
+
+    /// What a distant source emits. An illum that was not aimed at is its alternate.
+    fn shine(&self, source: &Source, origin: Vec3, direction: Vec3, aimed: bool, gathered: bool) -> Option<Emission> {
+        let (mut chain, mut lamp) = (&self.chains[source.chain], source.lamp);
+        let mut material = self.material_of(chain)?;
+        if let (Material::Illum(_), false) = (&material.material, aimed) {
+            if gathered {
+                return None;
+            }
+            (chain, lamp) = (&self.chains[material.alternate?], None);
+            material = self.material_of(chain)?;
+        }
+        let (pattern, _) = apply(&chain.links, &At::distant(direction, origin), Rgb::ONE, Vec3::ZERO);
+        Some(match &material.material {
+            Material::Glow(radiance, radius) => {
+                let seen = if *radius < -1e-6 || *radius >= FAR { Emitter::Hidden } else { Emitter::Environment };
+                Emission { radiance: *radiance * pattern, emitter: seen, beyond: FAR > *radius }
+            }
+            material => {
+                let emitter = lamp.map_or(Emitter::Hidden, Emitter::Lamp);
+                Emission { radiance: material.emitted(direction) * pattern, emitter, beyond: false }
+            }
+        })
+    }
+
+    /// The material at the end of a chain.
+    fn material_of(&self, chain: &Chain) -> Option<&Named> {
+        if let End::Material(m) = chain.end { Some(&self.materials[m]) } else { None }
+    }
+
+    /// Shows `out` the layers of what a ray hit.
+    pub fn layers(&self, hit: &Hit, coming: &Coming, rules: &Rules, out: &mut dyn FnMut(&Layer)) {
+        let found = self.find(hit);
+        let direction = coming.ray.direction;
+        let mut place = Place {
+            world: self,
+            surface: hit.surface,
+            found: &found,
+            rules,
+            coming,
+            distance: hit.t,
+            at: At {
+                direction,
+                normal: hit.normal,
+                point: hit.point,
+                t: coming.travelled + hit.t,
+                ts: hit.t,
+                rdot: (-direction.dot(hit.normal)).clamp(-1.0, 1.0),
+                uv: [0.0; 2],
+                instance: found.frame.as_ref(),
+            },
+            flipped: false,
+            clip: None,
+            out,
+        };
+        let mut perturbation = Vec3::ZERO;
+        if let Some((mesh, transform)) = &found.mesh {
+            if let Some(uv) = mesh.uv(hit.triangle, hit.barycentric) {
+                place.at.uv = uv;
+            }
+            if let Some(normal) = mesh.normal(hit.triangle, hit.barycentric) {
+                perturbation = transform.vector(normal).normalize() - hit.normal;
+            }
+        }
+        if coming.clip.is_some_and(|clip| clip.removes(found.chain)) {
+            return place.show(1.0, None, Rgb::ONE, Vec3::ZERO);
+        }
+        place.walk(found.chain, 1.0, Rgb::ONE, perturbation);
+    }
+
+    /// What `-i` and `-I` gather light with: a surface at `point` that faces against the ray.
+    pub fn collector(&self, ray: &Ray, point: Vec3) -> Layer<'static> {
+        let normal = -ray.direction;
+        let point_there = Point {
+            to_viewer: normal,
+            geometric: normal,
+            shading: normal,
+            perturbation: Vec3::ZERO,
+            front: true,
+            flat: true,
+            orientation: Vec3::ZERO,
+            bends: false,
+        };
+        Layer {
+            fraction: 1.0,
+            material: Some(&*COLLECTOR),
+            id: MaterialId::MAX,
+            pattern: Rgb::ONE,
+            point: point_there,
+            at: At::surface(ray.direction, normal, point),
+            emission: None,
+            behind: None,
+            gathers: true,
+            relay: None,
+            clip: None,
+        }
+    }
+}
+
+/// A hit on its way down the chains of its modifier.
+struct Place<'a> {
+    world: &'a World,
+    surface: u32,
+    found: &'a Found<'a>,
+    rules: &'a Rules,
+    coming: &'a Coming<'a>,
+    distance: f64,
+    at: At<'a>,
+    /// Whether the surface is shaded as if it faced the other way: where antimatter cuts a body.
+    flipped: bool,
+    /// What becomes of a ray that passes, among antimatter.
+    clip: Option<Box<Clip>>,
+    out: &'a mut dyn FnMut(&Layer),
+}
+
+impl Place<'_> {
+    /// Shows the layers of a chain that has the share `fraction`.
+    fn walk(&mut self, chain: ChainId, fraction: f64, pattern: Rgb, perturbation: Vec3) {
+        let chain = &self.world.chains[chain];
+        let irradiance = self.rules.irradiance && self.coming.primary;
+        // Irradiance is gathered before the material and what is behind it are looked at.
+        let links = if irradiance { &chain.links[..chain.before] } else { &chain.links[..] };
+        let (pattern, perturbation) = apply(links, &self.at, pattern, perturbation);
+        match &chain.end {
+            End::Void => self.show(fraction, None, pattern, perturbation),
+            End::Material(id) => self.show(fraction, Some(*id), pattern, perturbation),
+            End::Mixture(coefficient, fore, back) => match coefficient.coefficient(&self.at) {
+                Ok(c) => {
+                    for (share, chain) in [(c, *fore), (1.0 - c, *back)] {
+                        if share > 1e-6 {
+                            self.walk(chain, fraction * share, pattern, perturbation);
+                        }
+                    }
+                }
+                Err(_) => self.show(fraction, None, pattern, perturbation),
+            },
+        }
+    }
+
+    /// Shows one layer.
+    fn show(&mut self, fraction: f64, id: Option<MaterialId>, pattern: Rgb, perturbation: Vec3) {
+        let world = self.world;
+        let front = (self.at.rdot > 0.0) != self.flipped;
+        let named = id.map(|id| &world.materials[id]);
+        let mut layer = Layer {
+            fraction,
+            material: named,
+            id: id.unwrap_or(0),
+            pattern,
+            point: self.point(named, front, perturbation),
+            at: self.at,
+            emission: None,
+            behind: None,
+            gathers: world.gathers.get(self.found.chain).is_none_or(|&gathers| gathers),
+            relay: None,
+            clip: self.clip.clone(),
+        };
+        if world.removable.get(self.found.chain).is_some_and(|&removable| removable) {
+            let mut clip = self.coming.clip.cloned().unwrap_or_default();
+            clip.cross(self.found.chain, self.at.rdot > 0.0);
+            layer.clip = Some(Box::new(clip));
+        }
+        let Some(named) = named else { return (self.out)(&layer) };
+        let aimed = match self.coming.aim {
+            Some(Emitter::Lamp(lamp)) => Some(lamp),
+            _ => None,
+        };
+        if self.rules.irradiance && self.coming.primary {
+            match &named.material {
+                Material::Antimatter => {}
+                material if material.emits() => {}
+                material if material.nominally_transparent() => return (self.out)(&Layer { material: None, ..layer }),
+                _ => return (self.out)(&Layer { material: Some(&*COLLECTOR), pattern: Rgb::ONE, ..layer }),
+            }
+        }
+        match &named.material {
+            // The back of a surface that does not use its side is not there.
+            material if !front && !self.rules.back_visible && material.backless() => layer.material = None,
+            Material::Illum(_) if aimed.is_none() || aimed != self.found.lamp => {
+                // What gathers light has the illum's own light already; nor may one weak source light through another.
+                if front && (self.coming.gathered || aimed.is_some_and(|lamp| world.lamps[lamp].weak)) {
+                    layer.emission = Some(Emission::BLACK);
+                    return (self.out)(&layer);
+                }
+                return match named.alternate {
+                    Some(chain) => self.walk(chain, fraction, Rgb::ONE, Vec3::ZERO),
+                    None => (self.out)(&Layer { material: None, ..layer }),
+                };
+            }
+            Material::Mirror(_) => {
+                let relay = aimed.and_then(|lamp| world.lamps[lamp].relay).filter(|r| r.mirror == self.surface);
+                let seen = relay.is_some() || self.coming.gathered && front;
+                if let Some(chain) = named.alternate.filter(|_| !seen) {
+                    return self.walk(chain, fraction, Rgb::ONE, Vec3::ZERO);
+                }
+                layer.relay = relay.map(|r| r.lamp);
+                if layer.relay.is_some() || self.coming.gathered {
+                    layer.point = self.point(Some(named), front, Vec3::ZERO);
+                }
+            }
+            Material::Light(_) | Material::Illum(_) | Material::Spotlight(..) if front => {
+                let emitter = self.found.lamp.map_or(Emitter::Hidden, Emitter::Lamp);
+                layer.emission = Some(Emission { radiance: named.material.emitted(self.at.direction) * pattern, emitter, beyond: false });
+            }
+            Material::Glow(radiance, radius) if front => {
+                let emitter = match self.found.lamp {
+                    Some(lamp) if self.distance <= *radius => Emitter::Lamp(lamp),
+                    _ if *radius < -1e-6 || self.distance <= *radius => Emitter::Hidden,
+                    _ => Emitter::Glow,
+                };
+                layer.emission = Some(Emission { radiance: *radiance * pattern, emitter, beyond: self.at.t > *radius });
+            }
+            // A ray that meets the surface from inside has come through the body.
+            Material::Dielectric(inside) | Material::Interface(inside, _) if !front => {
+                layer.behind = Some(Inside { extinction: inside.extinction(pattern), unknown: world.unknown == id });
+            }
+            Material::Interface(_, outside) => layer.behind = Some(Inside::of(outside.extinction(pattern))),
+            Material::Antimatter => {
+                let mut clip = self.coming.clip.cloned().unwrap_or_default();
+                let inside = clip.is_inside(&named.removes);
+                clip.cut(&named.removes, self.at.rdot > 0.0);
+                self.clip = Some(Box::new(clip));
+                if let Some(chain) = named.alternate.filter(|_| inside) {
+                    self.flipped = true;
+                    return self.walk(chain, fraction, Rgb::ONE, Vec3::ZERO);
+                }
+                (layer.material, layer.clip) = (None, self.clip.clone());
+            }
+            _ => {}
+        }
+        (self.out)(&layer);
+    }
+
+    /// The hit as a material needs to know it.
+    fn point(&self, named: Option<&Named>, front: bool, perturbation: Vec3) -> Point {
+        // The side of the viewer, and of what is shaded.
+        let side = if self.at.rdot > 0.0 { 1.0 } else { -1.0 };
+        let (to_viewer, geometric) = (-self.at.direction, self.at.normal * side);
+        let orientation = named.and_then(|n| n.orientation.as_ref()).map_or(Vec3::ZERO, |o| o.perturbation(&self.at));
+        let mut point = Point {
+            to_viewer,
+            geometric,
+            shading: geometric,
+            perturbation: Vec3::ZERO,
+            front,
+            flat: self.found.flat,
+            orientation,
+            bends: false,
+        };
+        if perturbation.length_squared() > 1e-12 {
+            point.perturbation = perturbation * side;
+            point.flat = false;
+            // Light that is gathered, or looked for, goes straight through a texture.
+            point.bends = !self.coming.gathered && self.coming.aim.is_none();
+            if let Some(mut shading) = (geometric + point.perturbation).try_normalize() {
+                // A normal that is bent away from the viewer is turned back (semantics 3.2).
+                if shading.dot(to_viewer) <= 0.0 {
+                    shading -= to_viewer * (2.0 * shading.dot(to_viewer));
+                }
+                point.shading = shading;
+            }
+        }
+        point
+    }
+}
+
+/// What `-i` puts in the place of a surface: Lambertian, of reflectance π, so that its radiance is the irradiance.
+static COLLECTOR: LazyLock<Named> = LazyLock::new(|| Named {
+    name: String::new(),
+    material: Material::Reflectance(Reflectance::diffuse(Rgb::splat(PI))),
+    orientation: None,
+    alternate: None,
+    removes: Vec::new(),
+});
+
+/// The pattern and perturbation behind a list of links.
+fn apply(links: &[Link], at: &At, mut pattern: Rgb, mut perturbation: Vec3) -> (Rgb, Vec3) {
+    for link in links {
+        match link {
+            Link::Pattern(p) => pattern *= p.color(at),
+            Link::Texture(t) => perturbation += t.perturbation(at),
+            Link::Mixture(mixture) => {
+                let (coefficient, fore, back) = &**mixture;
+                if let Ok(c) = coefficient.coefficient(at) {
+                    let mix = |links: &[Link], share: f64| {
+                        if share > 1e-6 { apply(links, at, pattern, perturbation) } else { (pattern, perturbation) }
+                    };
+                    let (a, b) = (mix(fore, c), mix(back, 1.0 - c));
+                    (pattern, perturbation) = (a.0 * c + b.0 * (1.0 - c), a.1 * c + b.1 * (1.0 - c));
+                }
+            }
+        }
+    }
+    (pattern, perturbation)
+}
+
+impl Layer<'_> {
+    /// What it does to light that it does not emit.
+    pub fn bsdf(&self, rules: &Rules) -> Bsdf {
+        match self.material {
+            Some(Named { material: Material::Functions(m), .. }) => Bsdf::functions(m, &self.at, &self.point, self.pattern),
+            Some(named) if self.emission.is_none() => Bsdf::new(&named.material, &self.point, self.pattern, rules),
+            _ => Bsdf::black(&self.point),
+        }
+    }
+}
