@@ -84,7 +84,7 @@ impl Effort {
 
 /// A standard error that satisfies when nothing is said: this part of the value, between two limits.
 const NEAR: f64 = 0.012;
-const NEAREST: (f64, f64) = (0.0003, 0.001);
+const NEAREST: (f64, f64) = (0.0001, 0.001);
 
 /// Or what the picture allows: the part of a variance that the rendering may make.
 const OWN: f64 = 0.15;

@@ -6,6 +6,8 @@
 
 mod clear;
 mod rough;
+#[cfg(test)]
+mod tests;
 
 pub use clear::Clear;
 pub use rough::{Alpha, Monomials, ORDER, Rough};

@@ -163,7 +163,7 @@ const SHARE: f64 = 0.5;
 
 impl<const L: usize> Tagging<'_, L> {
     /// A part's value at a direction, without its coefficient, and the density with which its samples are drawn there.
-    fn shape(&self, shape: &Bsdf, part: Part, wi: Vec3, arriving: Arriving) -> (Nodes<L>, f64) {
+    pub(super) fn shape(&self, shape: &Bsdf, part: Part, wi: Vec3, arriving: Arriving) -> (Nodes<L>, f64) {
         if part.diffuse() {
             let lambert = wi.z.abs() / PI;
             return ([f32x8::splat(lambert as f32); L], lambert);
