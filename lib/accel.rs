@@ -8,6 +8,7 @@ mod binary;
 mod body;
 mod build;
 mod collapse;
+mod exact;
 mod probe;
 mod tree;
 
@@ -16,7 +17,7 @@ use crate::vector::{Affine, Vec3};
 use body::Body;
 use probe::Probe;
 use std::sync::Arc;
-use tree::{SINGLE, Space, Tree};
+use tree::{LEAF, SINGLE, Space, Tree};
 
 /// What a tree is built over.
 #[derive(Clone, Debug)]
@@ -60,8 +61,6 @@ impl From<Geometry> for Surface {
 pub struct Accel {
     tree: Tree,
     space: Space,
-    /// Surface and triangle of each primitive of the tree.
-    primitives: Vec<(u32, u32)>,
     surfaces: Vec<Body>,
     ranks: Vec<Vec<Rank>>,
     /// Distances that differ by less are one place.
@@ -116,7 +115,8 @@ struct Nearest {
     t: f32,
     /// By how much that may be wrong.
     blur: f32,
-    primitive: u32,
+    /// Which triangle (block · 8 + lane), or [`SINGLE`] and which other primitive; all ones for none.
+    slot: u32,
     /// Whether another one is so near that it may be in front, or the same place.
     tie: bool,
     /// Distances that differ by less are one place.
@@ -128,12 +128,12 @@ struct Nearest {
 impl Nearest {
     /// Takes a candidate nearer than the limit; the new limit.
     #[inline(always)]
-    fn take(&mut self, t: f32, blur: f32, primitive: u32) -> f32 {
+    fn take(&mut self, t: f32, blur: f32, slot: u32) -> f32 {
         let blur = blur + self.tolerance;
         if t <= self.t + self.blur + blur {
             self.tie = t >= self.t - self.blur - blur;
             if t < self.t {
-                (self.t, self.primitive) = (t, primitive);
+                (self.t, self.slot) = (t, slot);
             }
             self.blur = if self.tie { self.blur.max(blur) } else { blur };
         }
@@ -147,47 +147,35 @@ impl Accel {
     pub fn nearest(&self, ray: &Ray, t_min: f64, t_max: f64) -> Option<Hit> {
         let probe = Probe::new(&self.space, ray, t_min, t_max)?;
         let tolerance = (self.tolerance * self.space.scale) as f32;
-        let mut best = Nearest { t: f32::INFINITY, blur: 0.0, primitive: u32::MAX, tie: false, tolerance, hit: None };
+        let mut best = Nearest { t: f32::INFINITY, blur: 0.0, slot: u32::MAX, tie: false, tolerance, hit: None };
         self.tree.walk::<true>(&probe, probe.limit, |leaf, mut limit| {
             if leaf & SINGLE != 0 {
-                let primitive = leaf & (SINGLE - 1);
-                let far = t_max.min(probe.distance(limit));
-                let (surface, body) = self.body(primitive);
-                let inner = body.instance().and_then(|instance| instance.nearest(ray, t_min, far, surface));
-                let t = inner.as_ref().map(|hit| hit.t).or_else(|| body.shape()?.intersect(ray, t_min, far));
-                if let Some(t) = t.map(|t| probe.local(t)).filter(|&t| t <= limit) {
-                    limit = best.take(t, f32::EPSILON * (1.0 + t), primitive);
-                    if best.primitive == primitive {
-                        best.hit = inner;
-                    }
-                }
-                return limit;
+                return self.take_single(ray, &probe, leaf, t_min, t_max, limit, &mut best);
             }
-            for block in self.tree.blocks_of(leaf) {
+            for (number, block) in self.tree.blocks_of(leaf) {
                 let mut lanes = probe.test(block, limit);
                 while lanes.mask != 0 {
                     let lane = (lanes.mask.trailing_zeros() & 7) as usize;
                     lanes.mask &= lanes.mask - 1;
-                    let (t, blur, primitive) = (lanes.t[lane], lanes.blur[lane], block.primitives[lane]);
-                    if t <= limit && (probe.sure(t, blur) || self.within(primitive, ray, probe.distance(t), t_min, t_max)) {
-                        limit = best.take(t, blur, primitive);
+                    let (t, blur, slot) = (lanes.t[lane], lanes.blur[lane], number << 3 | lane as u32);
+                    if t <= limit && probe.within(t, blur).unwrap_or_else(|| self.within(&probe, slot, t_min, t_max)) {
+                        limit = best.take(t, blur, slot);
                     }
                 }
             }
             limit
         });
-        if best.primitive == u32::MAX {
+        if best.slot == u32::MAX {
             return None;
         }
         if best.tie {
-            return self.settle(ray, t_min, t_max.min(probe.distance(best.t + 2.0 * best.blur)));
+            return self.settle(ray, t_min, t_max.min(probe.world(f64::from(best.t + 2.0 * best.blur))));
         }
-        let (surface, triangle) = self.primitives[best.primitive as usize];
-        match &self.surfaces[surface as usize] {
-            Body::Shape(shape) => body::shape_hit(shape, ray, t_min, t_max, surface),
-            Body::Mesh(placed) => Some(placed.hit(ray, probe.distance(best.t), surface, triangle)),
-            Body::Instance(_) => best.hit,
+        if best.slot & SINGLE != 0 {
+            return best.hit;
         }
+        let detail = &self.tree.details[self.tree.place(best.slot)];
+        Some(self.tree.meet(&probe, best.slot, best.t).hit(&probe, detail, self.surfaces[detail.surface as usize].mirrored()))
     }
 
     /// Whether any surface is met at a distance between `t_min` and `t_max` (both excluded).
@@ -196,13 +184,13 @@ impl Accel {
         let mut found = false;
         self.tree.walk::<false>(&probe, probe.limit, |leaf, limit| {
             found = if leaf & SINGLE != 0 {
-                self.body(leaf & (SINGLE - 1)).1.occludes(ray, t_min, t_max)
+                self.body(leaf).1.occludes(ray, t_min, t_max)
             } else {
-                self.tree.blocks_of(leaf).iter().any(|block| {
+                self.tree.blocks_of(leaf).any(|(number, block)| {
                     let lanes = probe.test(block, limit);
                     (0..8).filter(|lane| lanes.mask >> lane & 1 == 1).any(|lane| {
                         let (t, blur) = (lanes.t[lane], lanes.blur[lane]);
-                        probe.sure(t, blur) || self.within(block.primitives[lane], ray, probe.distance(t), t_min, t_max)
+                        probe.within(t, blur).unwrap_or_else(|| self.within(&probe, number << 3 | lane as u32, t_min, t_max))
                     })
                 })
             };
@@ -216,18 +204,19 @@ impl Accel {
         let Some(probe) = Probe::new(&self.space, ray, t_min, t_max) else { return };
         self.tree.walk::<false>(&probe, probe.limit, |leaf, limit| {
             if leaf & SINGLE != 0 {
-                let (surface, body) = self.body(leaf & (SINGLE - 1));
+                let (surface, body) = self.body(leaf);
                 body.each(ray, t_min, t_max, surface, &self.ranks[surface as usize], visit);
                 return limit;
             }
-            for block in self.tree.blocks_of(leaf) {
+            for (number, block) in self.tree.blocks_of(leaf) {
                 let lanes = probe.test(block, limit);
                 for lane in (0..8).filter(|lane| lanes.mask >> lane & 1 == 1) {
-                    let (surface, triangle) = self.primitives[block.primitives[lane] as usize];
-                    let Body::Mesh(placed) = &self.surfaces[surface as usize] else { continue };
-                    let hit = placed.hit(ray, probe.distance(lanes.t[lane]), surface, triangle);
+                    let slot = number << 3 | lane as u32;
+                    let detail = &self.tree.details[self.tree.place(slot)];
+                    let Body::Mesh(placed) = &self.surfaces[detail.surface as usize] else { continue };
+                    let hit = self.tree.meet(&probe, slot, lanes.t[lane]).hit(&probe, detail, placed.mirrored);
                     if hit.t > t_min && hit.t < t_max {
-                        visit(hit, placed.rank(&self.ranks[surface as usize], triangle));
+                        visit(hit, placed.rank(&self.ranks[detail.surface as usize], detail.triangle));
                     }
                 }
             }
@@ -245,6 +234,11 @@ impl Accel {
         self.dropped
     }
 
+    /// How much memory the tree takes, without the meshes it was built from and without other trees in it.
+    pub fn bytes(&self) -> usize {
+        self.tree.bytes()
+    }
+
     /// The nearest hit where several are near each other: all decisions in double precision.
     #[cold]
     fn settle(&self, ray: &Ray, t_min: f64, t_max: f64) -> Option<Hit> {
@@ -260,19 +254,36 @@ impl Accel {
         best.map(|(hit, _)| hit)
     }
 
-    /// The surface a primitive is of or on.
-    fn body(&self, primitive: u32) -> (u32, &Body) {
-        let (surface, _) = self.primitives[primitive as usize];
+    /// The shape or instance in a leaf of its own.
+    fn body(&self, leaf: u32) -> (u32, &Body) {
+        let surface = self.tree.details[(leaf & (SINGLE - 1)) as usize].surface;
         (surface, &self.surfaces[surface as usize])
     }
 
-    /// Whether a candidate's exact distance is in the range.
+    /// Takes the hit of a shape or instance, if it is near enough; the new limit.
     #[inline(never)]
-    fn within(&self, primitive: u32, ray: &Ray, t: f64, t_min: f64, t_max: f64) -> bool {
-        let (surface, triangle) = self.primitives[primitive as usize];
-        let Body::Mesh(placed) = &self.surfaces[surface as usize] else { return false };
-        let hit = placed.hit(ray, t, surface, triangle);
-        hit.t > t_min && hit.t < t_max
+    #[allow(clippy::too_many_arguments)]
+    fn take_single(&self, ray: &Ray, probe: &Probe, leaf: u32, t_min: f64, t_max: f64, limit: f32, best: &mut Nearest) -> f32 {
+        let (surface, body) = self.body(leaf);
+        let far = t_max.min(probe.world(f64::from(limit)));
+        let hit = match body {
+            Body::Shape(shape) => body::shape_hit(shape, ray, t_min, far, surface),
+            Body::Instance(instance) => instance.nearest(ray, t_min, far, surface),
+            Body::Mesh(_) => None,
+        };
+        let Some(t) = hit.as_ref().map(|hit| probe.local(hit.t)).filter(|&t| t <= limit) else { return limit };
+        let limit = best.take(t, f32::EPSILON * (1.0 + t), leaf & !LEAF);
+        if best.slot == leaf & !LEAF {
+            best.hit = hit;
+        }
+        limit
+    }
+
+    /// Whether a triangle's exact distance is in the range.
+    #[inline(never)]
+    fn within(&self, probe: &Probe, slot: u32, t_min: f64, t_max: f64) -> bool {
+        let t = probe.world(self.tree.plane(probe, slot));
+        t > t_min && t < t_max
     }
 }
 

@@ -17,7 +17,7 @@ pub(super) enum Body {
 #[derive(Clone, Debug)]
 pub(super) struct Placed {
     pub mesh: Arc<Mesh>,
-    /// World positions, where they differ from the mesh's.
+    /// World positions, where they differ from the mesh's and until the tree is built.
     pub moved: Option<Vec<Vec3>>,
     /// Whether the transform mirrors: then a triangle's front is where its world corners are seen clockwise.
     pub mirrored: bool,
@@ -36,14 +36,9 @@ pub(super) struct Instance {
 }
 
 impl Body {
-    /// The shape, if it is one.
-    pub fn shape(&self) -> Option<&Shape> {
-        if let Self::Shape(shape) = self { Some(shape) } else { None }
-    }
-
-    /// The instance, if it is one.
-    pub fn instance(&self) -> Option<&Instance> {
-        if let Self::Instance(instance) = self { Some(instance) } else { None }
+    /// Whether it is a mesh whose triangles show their fronts clockwise.
+    pub fn mirrored(&self) -> bool {
+        matches!(self, Self::Mesh(placed) if placed.mirrored)
     }
 
     /// Whether a shape or instance is hit between the distances.
@@ -89,36 +84,6 @@ impl Placed {
     /// The rank of a triangle.
     pub fn rank(&self, ranks: &[Rank], triangle: u32) -> Rank {
         ranks.get(self.mesh.material(triangle) as usize).or(ranks.last()).copied().unwrap_or_default()
-    }
-
-    /// The hit on a triangle that the ray is known to meet at about that distance; a point of the triangle in any case.
-    #[inline]
-    pub fn hit(&self, ray: &Ray, near: f64, surface: u32, triangle: u32) -> Hit {
-        // Seen from a point of the ray near the triangle no digits are lost, however far the ray has come.
-        let from = ray.at(near);
-        let corners = self.corners(triangle);
-        let [a, b, c] = corners.map(|p| p - from);
-        let d = ray.direction;
-        // The ray against the three edges (Plücker).
-        let volumes = Vec3::new(d.dot(c.cross(b)), d.dot(a.cross(c)), d.dot(b.cross(a)));
-        let mut weights = volumes / volumes.element_sum();
-        // A little outside is single precision's doing and still on the plane. More is a triangle seen edge on: take a point in it.
-        if weights.is_nan() || weights.min_element() < -1e-2 {
-            let positive = weights.max(Vec3::ZERO);
-            weights = Some(positive / positive.element_sum()).filter(|w| w.is_finite()).unwrap_or(Vec3::splat(1.0 / 3.0));
-        }
-        let offset = a * weights.x + b * weights.y + c * weights.z;
-        let cross = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
-        let normal = cross.normalize_or_zero() * if self.mirrored { -1.0 } else { 1.0 };
-        Hit {
-            t: near + offset.dot(d),
-            point: from + offset,
-            normal,
-            surface,
-            path: Path::default(),
-            triangle,
-            barycentric: [weights.y, weights.z].map(|w| w.clamp(0.0, 1.0)),
-        }
     }
 }
 

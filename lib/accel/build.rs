@@ -3,7 +3,7 @@
 use super::binary::Binary;
 use super::body::{Body, Instance, Placed};
 use super::collapse::collapse;
-use super::tree::{SINGLE, Space};
+use super::tree::{SINGLE, Space, single};
 use super::{Accel, Geometry, Surface};
 use crate::error::{Error, Result};
 use crate::geometry::{Bounds, LEVELS, Mesh, tolerance};
@@ -110,17 +110,23 @@ impl Accel {
             .into_par_iter()
             .with_min_len(4096)
             .map(|primitive| match corners(primitive) {
-                Some(corners) => Aabb::from_points(&corners.map(Into::into)),
+                Some(corners) => Aabb::from_points(&corners.map(|p| single(p).into())),
                 None => {
                     let b = surfaces[primitives[primitive as usize].0 as usize].bounds();
-                    Aabb::new(space.local(b.min).map(f32::next_down).into(), space.local(b.max).map(f32::next_up).into())
+                    Aabb::new(single(space.local(b.min)).map(f32::next_down).into(), single(space.local(b.max)).map(f32::next_up).into())
                 }
             })
             .collect();
         let binary = Binary::build(&boxes);
-        let is_triangle = |primitive: u32| matches!(surfaces[primitives[primitive as usize].0 as usize], Body::Mesh(_));
-        let tree = collapse(&binary, is_triangle, |primitive| corners(primitive).unwrap_or([[f32::NAN; 3]; 3]));
-        Ok(Self { tree, space, primitives, surfaces, ranks, tolerance: tolerance(bounds.size()), dropped, depth })
+        let tree = collapse(&binary, &primitives, corners);
+        // World positions were needed only to get here.
+        let mut surfaces = surfaces;
+        surfaces.iter_mut().for_each(|surface| {
+            if let Body::Mesh(placed) = surface {
+                placed.moved = None
+            }
+        });
+        Ok(Self { tree, space, surfaces, ranks, tolerance: tolerance(bounds.size()), dropped, depth })
     }
 }
 

@@ -4,7 +4,9 @@
 //! C(n, i) is the least cost of subtree n shown as at most i children of something.
 
 use super::binary::{Binary, half_area};
+use super::exact::Detail;
 use super::tree::{Block, LEAF, Node, PAIR, SINGLE, Tree};
+use crate::vector::Vec3;
 use rayon::prelude::*;
 use wide::f32x8;
 
@@ -14,6 +16,10 @@ const NODE: f32 = 1.0;
 const BLOCK: f32 = 0.9;
 /// Cost of a primitive other than a triangle.
 const OTHER: f32 = 0.9;
+/// By how much the boxes are larger than what is in them: more than what rounding moves a ray within the tree's cube. The origin, the bounds
+/// and the corners are rounded at magnitudes up to ½, the direction at distances below √3; a few roundings each make a bound and a
+/// triangle's edge (after Ize 2013, "Robust BVH Ray Traversal", whose error grows with the distance instead).
+const MARGIN: f32 = 16.0 * f32::EPSILON;
 /// Blocks in a leaf at most.
 const BLOCKS: u32 = 2;
 /// Subtrees smaller than this are not worth a thread.
@@ -33,11 +39,19 @@ struct Plan {
     triangles: bool,
 }
 
-/// The wide tree of `binary`. `is_triangle` tells triangles from the rest; `corners` gives a triangle's, in the tree's coordinates.
-pub(super) fn collapse(binary: &Binary, is_triangle: impl Fn(u32) -> bool + Sync, corners: impl Fn(u32) -> [[f32; 3]; 3] + Sync) -> Tree {
+/// The wide tree of `binary`, over primitives that are a surface, or a triangle of one. `corners` gives a triangle's, in the tree's
+/// coordinates; `None` for what is no triangle.
+pub(super) fn collapse(binary: &Binary, primitives: &[(u32, u32)], corners: impl Fn(u32) -> Option<[Vec3; 3]> + Sync) -> Tree {
+    let detail = |&primitive: &u32| {
+        let (surface, triangle) = primitives[primitive as usize];
+        let residue = corners(primitive).map_or([[0.0; 3]; 3], |c| c.map(|p| p.to_array().map(|x| (x - f64::from(x as f32)) as f32)));
+        Detail { surface, triangle, residue }
+    };
+    let details = binary.order.par_iter().with_min_len(4096).map(detail).collect();
     if binary.order.is_empty() {
-        return Tree { nodes: Vec::new(), blocks: Vec::new(), root: None };
+        return Tree { nodes: Vec::new(), blocks: Vec::new(), details, root: None };
     }
+    let is_triangle = |primitive: u32| corners(primitive).is_some();
     let mut plans = vec![Plan::default(); binary.boxes.len()];
     solve(binary, 0, &mut plans, &is_triangle, 0);
     let (mut nodes, mut leaves, mut blocks) = (Vec::new(), Vec::new(), 0);
@@ -50,7 +64,7 @@ pub(super) fn collapse(binary: &Binary, is_triangle: impl Fn(u32) -> bool + Sync
             return nodes.len() as u32 - 1;
         }
         if !plans[i].triangles {
-            return LEAF | SINGLE | binary.order[binary.before[i] as usize];
+            return LEAF | SINGLE | binary.before[i];
         }
         let pair = count > 8;
         // Fill two blocks evenly.
@@ -72,9 +86,8 @@ pub(super) fn collapse(binary: &Binary, is_triangle: impl Fn(u32) -> bool + Sync
         for (lane, &child) in children.iter().enumerate() {
             let b = binary.boxes[child];
             for (axis, sides) in boxes.iter_mut().enumerate() {
-                let pad = |x: f32| x.abs() * (1.0 / 4194304.0) + 1e-12;
-                sides[0][lane] = b.min[axis] - pad(b.min[axis]);
-                sides[1][lane] = b.max[axis] + pad(b.max[axis]);
+                sides[0][lane] = b.min[axis] - MARGIN;
+                sides[1][lane] = b.max[axis] + MARGIN;
             }
         }
         let begin = todo.len();
@@ -90,20 +103,18 @@ pub(super) fn collapse(binary: &Binary, is_triangle: impl Fn(u32) -> bool + Sync
         .with_min_len(64)
         .map(|&(first, count)| {
             let mut rows = [[[f32::NAN; 8]; 3]; 3];
-            let mut primitives = [0; 8];
             for lane in 0..count as usize {
-                let primitive = binary.order[first as usize + lane];
-                primitives[lane] = primitive;
-                for (vertex, corner) in corners(primitive).into_iter().enumerate() {
+                let corners = corners(binary.order[first as usize + lane]);
+                for (vertex, corner) in corners.into_iter().flatten().enumerate() {
                     for axis in 0..3 {
-                        rows[vertex][axis][lane] = corner[axis];
+                        rows[vertex][axis][lane] = corner[axis] as f32;
                     }
                 }
             }
-            Block { corners: rows.map(|vertex| vertex.map(f32x8::new)), primitives }
+            Block { corners: rows.map(|vertex| vertex.map(f32x8::new)), first }
         })
         .collect();
-    Tree { nodes, blocks, root: Some(root) }
+    Tree { nodes, blocks, details, root: Some(root) }
 }
 
 /// Fills the plans of the subtree at `root`, whose plans these are, children before parents.

@@ -1,13 +1,15 @@
 //! A ray made ready for the tree: moved up to it, in its coordinates, with the shear of the watertight triangle test.
 
-use super::tree::{Block, Space};
+use super::tree::{Block, Space, single};
 use crate::geometry::Ray;
+use crate::vector::Vec3;
 use wide::f32x8;
 
-/// How far, in units of the tree's cube, single precision may put a point from where it is, with a margin.
-const ERROR: f32 = 1.0 / 4194304.0;
+/// How far single precision may put a point from where it is, relative to its distance along the probe plus a quarter of the tree's cube:
+/// the corners and the origin are rounded at magnitudes up to ½, the direction and the test's own arithmetic at the distance.
+const ERROR: f32 = 2.0 * f32::EPSILON;
 /// How far before its range a probe starts, so that no hit at the range's begin is lost to rounding.
-const LEAD: f32 = 1.0 / 65536.0;
+pub(super) const LEAD: f32 = 1.0 / 65536.0;
 /// What the uncertainty of a distance is at most taken for: a ray that runs within a millionth of a triangle's plane is not worth more.
 const WORST: f32 = 1.0 / 64.0;
 
@@ -27,10 +29,16 @@ pub(super) struct Lanes {
 pub(super) struct Probe {
     /// Where it starts: at the near end of the range or where it enters the bounds, less [`LEAD`].
     pub origin: [f32; 3],
+    /// The same, exactly.
+    pub exact_origin: Vec3,
+    /// Unit.
+    pub direction: Vec3,
+    /// The middle of the tree's cube in the world.
+    center: Vec3,
     /// One over the direction, finite.
     pub inverse: [f32; 3],
-    /// Whether the direction is negative, per axis.
-    pub negative: [bool; 3],
+    /// Whether the direction is negative, per axis: 0 or 1.
+    pub negative: [usize; 3],
     /// The far end of the range, and a little more.
     pub limit: f32,
     /// The near end.
@@ -49,65 +57,63 @@ pub(super) struct Probe {
 
 impl Probe {
     /// The probe for the part of the ray between the distances, or `None` when it misses the bounds.
-    #[inline]
+    #[inline(always)]
     pub fn new(space: &Space, ray: &Ray, t_min: f64, t_max: f64) -> Option<Self> {
-        let unit = 1.0 / space.scale;
+        let unit = space.unit;
         let lead = f64::from(LEAD) * unit;
-        let mut start = t_min;
-        let at = ray.at(start);
-        let bounds = &space.bounds;
-        if !bounds.contains(at) {
-            // Clip to the bounds, a little grown.
-            let mut end = t_max;
-            for axis in 0..3 {
-                let (o, d) = (ray.origin[axis], ray.direction[axis]);
-                let (low, high) = (bounds.min[axis] - lead, bounds.max[axis] + lead);
-                if d == 0.0 {
-                    if o < low || o > high {
-                        return None;
-                    }
-                } else {
-                    let (a, b) = ((low - o) / d, (high - o) / d);
-                    start = start.max(a.min(b));
-                    end = end.min(a.max(b));
-                }
-            }
-            if start > end + lead {
-                return None;
-            }
+        let (o, d) = (ray.origin.to_array(), ray.direction.to_array());
+        // A huge number stands for infinity, without ever making 0 · ∞: boxes are padded.
+        let invert = |d: f64| 1.0 / if d.abs() < 1e-18 { 1e-18f64.copysign(d) } else { d };
+        let inverse = [invert(d[0]), invert(d[1]), invert(d[2])];
+        // Clip to the bounds, a little grown.
+        let (mut start, mut end) = (t_min, t_max);
+        for axis in 0..3 {
+            let a = (space.low[axis] - o[axis]) * inverse[axis];
+            let b = (space.high[axis] - o[axis]) * inverse[axis];
+            let (near, far) = if a < b { (a, b) } else { (b, a) };
+            start = if near > start { near } else { start };
+            end = if far < end { far } else { end };
+        }
+        if start > end + lead {
+            return None;
         }
         start -= lead;
-        let origin = space.local(ray.at(start));
-        let d = ray.direction.to_array().map(|d| d as f32);
-        let a = d.map(f32::abs);
-        let axes = if a[0] > a[1] && a[0] > a[2] {
-            [1, 2, 0]
-        } else if a[1] > a[2] {
-            [2, 0, 1]
-        } else {
-            [0, 1, 2]
-        };
-        let depth = 1.0 / d[axes[2]];
+        let exact_origin = space.local(ray.at(start));
+        let origin = single(exact_origin);
+        // The longest axis.
+        let (x, y, z) = (d[0].abs(), d[1].abs(), d[2].abs());
+        let k = if z > x && z > y { 2 } else { usize::from(y > x) };
+        let i = if k == 2 { 0 } else { k + 1 };
+        let j = 3 - k - i;
+        let depth = inverse[k];
         let reach = ((t_max - start) * space.scale) as f32;
         Some(Self {
             origin,
-            // Boxes are padded, so a huge number stands for infinity without ever making 0 · ∞.
-            inverse: d.map(|d| 1.0 / if d.abs() < 1e-18 { 1e-18f32.copysign(d) } else { d }),
-            negative: d.map(f32::is_sign_negative),
+            exact_origin,
+            direction: ray.direction,
+            center: space.center,
+            inverse: [inverse[0] as f32, inverse[1] as f32, inverse[2] as f32],
+            negative: [usize::from(d[0].is_sign_negative()), usize::from(d[1].is_sign_negative()), usize::from(d[2].is_sign_negative())],
             limit: reach + LEAD,
             from: ((t_min - start) * space.scale) as f32,
             to: reach,
             start,
             unit,
-            axes,
-            shear: [d[axes[0]] * depth, d[axes[1]] * depth, depth],
+            axes: [i, j, k],
+            shear: [(d[i] * depth) as f32, (d[j] * depth) as f32, depth as f32],
         })
     }
 
     /// The world's distance for one of this probe's.
     #[inline(always)]
-    pub fn distance(&self, t: f32) -> f64 {
-        self.start + f64::from(t) * self.unit
+    pub fn world(&self, t: f64) -> f64 {
+        self.start + t * self.unit
+    }
+
+    /// The world's point for one of the tree's.
+    #[inline(always)]
+    pub fn world_point(&self, p: Vec3) -> Vec3 {
+        self.center + p * self.unit
     }
 
     /// This probe's distance for one of the world's.
@@ -116,10 +122,16 @@ impl Probe {
         ((t - self.start) / self.unit) as f32
     }
 
-    /// Whether a hit is certainly within the range.
+    /// Whether a hit is within the range; `None` when single precision cannot tell.
     #[inline(always)]
-    pub fn sure(&self, t: f32, blur: f32) -> bool {
-        t - blur > self.from && t + blur < self.to
+    pub fn within(&self, t: f32, blur: f32) -> Option<bool> {
+        if t - blur > self.from && t + blur < self.to {
+            Some(true)
+        } else if t + blur < self.from || t - blur > self.to {
+            Some(false)
+        } else {
+            None
+        }
     }
 
     /// Which triangles of the block are hit at a distance between 0 and `limit`. Triangles that are seen exactly edge
@@ -127,7 +139,7 @@ impl Probe {
     #[inline(always)]
     pub fn test(&self, block: &Block, limit: f32) -> Lanes {
         let [i, j, k] = self.axes;
-        let origin = self.axes.map(|axis| f32x8::splat(self.origin[axis]));
+        let origin = [i, j, k].map(|axis| f32x8::splat(self.origin[axis]));
         let shear = self.shear.map(f32x8::splat);
         let corner = |v: usize| {
             let z = block.corners[v][k] - origin[2];
@@ -154,8 +166,8 @@ impl Probe {
         // point of the triangle's depth that they pick.
         let width = [a[0], b[0], c[0], a[1], b[1], c[1]].into_iter().fold(f32x8::ZERO, |m, x| m.fast_max(x.abs()));
         let range = a[2].fast_max(b[2]).fast_max(c[2]) - a[2].fast_min(b[2]).fast_min(c[2]);
-        let blur = width * range * (shear[2].abs() * f32x8::splat(ERROR)) / area.abs();
-        let blur = (blur + f32x8::splat(4.0 * ERROR)).fast_min(f32x8::splat(WORST));
+        let slope = width * range * shear[2].abs() / area.abs() + f32x8::ONE;
+        let blur = (slope * ((t + f32x8::splat(0.25)) * f32x8::splat(ERROR))).fast_min(f32x8::splat(WORST));
         let mut lanes = Lanes { mask: reached.to_bitmask(), t: t.to_array(), blur: blur.to_array() };
         // Where all three vanish, single precision cannot tell: products of two singles are exact in double precision.
         let flat = (low.simd_ge(f32x8::ZERO) & high.simd_le(f32x8::ZERO)).to_bitmask();

@@ -122,7 +122,7 @@ fn compare(mesh_in: Mesh, rays: usize, size: f64, center: Vec3) {
             _ => different += 1,
         }
     }
-    assert!(different <= rays / 10000, "{different} of {rays} differ");
+    assert!(different <= (rays / 10000).max(1), "{different} of {rays} differ");
 }
 
 #[test]
@@ -449,7 +449,7 @@ fn the_build_does_not_depend_on_the_number_of_threads() {
     let trees = [1, 2, 5].map(|threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let accel = pool.install(|| build(vec![mesh(m.clone())]));
-        accel.tree.blocks.iter().map(|b| b.primitives).collect::<Vec<_>>()
+        accel.tree.details.iter().map(|d| d.triangle).collect::<Vec<_>>()
     });
     assert!(trees[0] == trees[1] && trees[0] == trees[2]);
 }

@@ -2,14 +2,15 @@
 //!
 //! Everything in it is single precision, in a cube of size one round the origin; see [`Space`].
 
-use super::probe::Probe;
+use super::exact::Detail;
+use super::probe::{LEAD, Probe};
 use crate::geometry::Bounds;
 use crate::vector::Vec3;
 use wide::f32x8;
 
 /// Set in a child that is not a node.
 pub(super) const LEAF: u32 = 1 << 31;
-/// Set, with [`LEAF`], in a child that is one primitive other than a triangle; the rest is its number.
+/// Set, with [`LEAF`], in a child that is one primitive other than a triangle; the rest is its number in the order of the leaves.
 pub(super) const SINGLE: u32 = 1 << 30;
 /// Set, with [`LEAF`] and without [`SINGLE`], in a child of two blocks of triangles; the rest is the number of the first.
 pub(super) const PAIR: u32 = 1 << 29;
@@ -21,8 +22,14 @@ pub(super) struct Space {
     pub center: Vec3,
     /// A power of two.
     pub scale: f64,
+    /// One over `scale`.
+    pub unit: f64,
     /// The world bounds of all there is.
     pub bounds: Bounds,
+    /// Smallest coordinates of those bounds, a little grown.
+    pub low: Vec3,
+    /// Largest coordinates.
+    pub high: Vec3,
 }
 
 impl Space {
@@ -30,14 +37,22 @@ impl Space {
     pub fn new(bounds: Bounds) -> Self {
         let exponent = if bounds.is_empty() { 0.0 } else { bounds.size().log2().ceil().clamp(-900.0, 900.0) };
         let center = if bounds.is_empty() { Vec3::ZERO } else { bounds.center() };
-        Self { center, scale: (-exponent).exp2(), bounds }
+        let unit = exponent.exp2();
+        let grown = bounds.grow(f64::from(LEAD) * unit);
+        Self { center, scale: (-exponent).exp2(), unit, bounds, low: grown.min, high: grown.max }
     }
 
     /// A world point in the tree's own coordinates.
     #[inline]
-    pub fn local(&self, p: Vec3) -> [f32; 3] {
-        ((p - self.center) * self.scale).to_array().map(|x| x as f32)
+    pub fn local(&self, p: Vec3) -> Vec3 {
+        (p - self.center) * self.scale
     }
+}
+
+/// A point in single precision.
+#[inline(always)]
+pub(super) fn single(p: Vec3) -> [f32; 3] {
+    [p.x as f32, p.y as f32, p.z as f32]
 }
 
 /// Eight boxes and what is in them.
@@ -56,8 +71,8 @@ pub(super) struct Node {
 pub(super) struct Block {
     /// Per vertex and axis. Unused lanes are NaN, which no test accepts.
     pub corners: [[f32x8; 3]; 3],
-    /// Primitive numbers.
-    pub primitives: [u32; 8],
+    /// The number, in the order of the leaves, of the first.
+    pub first: u32,
 }
 
 /// The whole tree.
@@ -67,62 +82,90 @@ pub(super) struct Tree {
     pub nodes: Vec<Node>,
     /// Triangles.
     pub blocks: Vec<Block>,
+    /// All primitives, in the order of the leaves.
+    pub details: Vec<Detail>,
     /// Node 0, a leaf, or `None` when there is nothing.
     pub root: Option<u32>,
 }
 
 /// Entries of the stack that need no allocation.
-const STACK: usize = 64;
+const STACK: usize = 32;
 
 impl Tree {
     /// Visits the leaves whose boxes the probe passes before `limit`, near ones first if `ORDERED`. `leaf` gets the leaf's number and the
-    /// limit and returns the new limit; a negative one ends the walk.
+    /// limit and returns the new limit, which only counts if `ORDERED`; a negative one ends the walk.
     #[inline(always)]
     pub fn walk<const ORDERED: bool>(&self, probe: &Probe, mut limit: f32, mut leaf: impl FnMut(u32, f32) -> f32) {
         let Some(mut current) = self.root else { return };
         let mut stack = [0u64; STACK];
         let mut spilled: Vec<u64> = Vec::new();
         let mut top = 0;
-        let origin = probe.origin.map(f32x8::splat);
         let inverse = probe.inverse.map(f32x8::splat);
-        let [first, second, third] = probe.negative.map(usize::from);
+        let shift = [0, 1, 2].map(|axis| f32x8::splat(probe.origin[axis] * probe.inverse[axis]));
+        let [first, second, third] = probe.negative;
+        let rest = |mask: u32| mask & mask.wrapping_sub(1);
         loop {
             if current & LEAF == 0 {
                 let node = &self.nodes[current as usize];
-                let slab = |axis: usize, side: usize| (node.bounds[axis][side] - origin[axis]) * inverse[axis];
+                // What is rounded here and in the triangle test, the boxes have a margin for.
+                let slab = |axis: usize, side: usize| node.bounds[axis][side].mul_sub(inverse[axis], shift[axis]);
                 let near = slab(0, first).fast_max(slab(1, second)).fast_max(slab(2, third).fast_max(f32x8::ZERO));
-                // A few roundings make each bound, and the triangle test a few more; widening the far one keeps every box the exact ray touches (Ize 2013, "Robust BVH Ray
-                // Traversal").
-                let far =
-                    slab(0, first ^ 1).fast_min(slab(1, second ^ 1)).fast_min(slab(2, third ^ 1)) * f32x8::splat(1.0 + 8.0 * f32::EPSILON);
-                let mut mask = near.simd_le(far.fast_min(f32x8::splat(limit))).to_bitmask();
-                if mask != 0 {
-                    let near = near.to_array();
-                    if mask & (mask - 1) == 0 {
-                        current = node.child[(mask.trailing_zeros() & 7) as usize];
+                let far = slab(0, first ^ 1).fast_min(slab(1, second ^ 1)).fast_min(slab(2, third ^ 1).fast_min(f32x8::splat(limit)));
+                let first_of = near.simd_le(far).to_bitmask();
+                if first_of != 0 {
+                    let second_of = rest(first_of);
+                    if second_of == 0 {
+                        current = node.child[(first_of.trailing_zeros() & 7) as usize];
                         continue;
                     }
                     if top > STACK - 8 {
                         spilled.extend_from_slice(&stack[..top]);
                         top = 0;
                     }
-                    let base = top;
-                    while mask != 0 {
-                        let lane = (mask.trailing_zeros() & 7) as usize;
-                        mask &= mask - 1;
-                        let entry = u64::from(near[lane].to_bits()) << 32 | u64::from(node.child[lane]);
-                        let mut place = top;
-                        if ORDERED {
-                            while place > base && stack[(place - 1) % STACK] < entry {
-                                stack[place % STACK] = stack[(place - 1) % STACK];
-                                place -= 1;
-                            }
+                    if !ORDERED {
+                        let mut more = first_of;
+                        while more != 0 {
+                            stack[top % STACK] = u64::from(node.child[(more.trailing_zeros() & 7) as usize]);
+                            top += 1;
+                            more = rest(more);
                         }
-                        stack[place % STACK] = entry;
+                        top -= 1;
+                        current = stack[top % STACK] as u32;
+                        continue;
+                    }
+                    // Go on with the nearest child and stack the others, the farthest first. Two or three are placed without branches, an
+                    // absent one being farther than any.
+                    let near = near.to_array();
+                    let entry = |mask: u32| {
+                        let lane = (mask.trailing_zeros() & 7) as usize;
+                        u64::from(near[lane].to_bits()) << 32 | u64::from(node.child[lane])
+                    };
+                    let third_of = rest(second_of);
+                    let mut more = rest(third_of);
+                    let absent = u64::from(third_of == 0).wrapping_neg();
+                    let (a, b, c) = (entry(first_of), entry(second_of), entry(third_of) | absent);
+                    let (a, b) = (a.min(b), a.max(b));
+                    let (b, c) = (b.min(c), b.max(c));
+                    let (mut a, b) = (a.min(b), a.max(b));
+                    let base = top;
+                    stack[top % STACK] = c;
+                    top += usize::from(third_of != 0);
+                    stack[top % STACK] = b;
+                    top += 1;
+                    while more != 0 {
+                        let d = entry(more);
+                        more = rest(more);
+                        let next = a.max(d);
+                        a = a.min(d);
+                        let mut place = top;
+                        while place > base && stack[(place - 1) % STACK] < next {
+                            stack[place % STACK] = stack[(place - 1) % STACK];
+                            place -= 1;
+                        }
+                        stack[place % STACK] = next;
                         top += 1;
                     }
-                    top -= 1;
-                    current = stack[top % STACK] as u32;
+                    current = a as u32;
                     continue;
                 }
             } else {
@@ -151,11 +194,16 @@ impl Tree {
         }
     }
 
-    /// The blocks of a leaf of triangles.
+    /// How much memory it takes.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&self.nodes[..]) + size_of_val(&self.blocks[..]) + size_of_val(&self.details[..])
+    }
+
+    /// The blocks of a leaf of triangles, with their numbers.
     #[inline(always)]
-    pub fn blocks_of(&self, leaf: u32) -> &[Block] {
-        let first = (leaf & (PAIR - 1)) as usize;
+    pub fn blocks_of(&self, leaf: u32) -> impl Iterator<Item = (u32, &Block)> {
+        let first = leaf & (PAIR - 1);
         let count = if leaf & PAIR == 0 { 1 } else { 2 };
-        &self.blocks[first..first + count]
+        (first..).zip(&self.blocks[first as usize..(first + count) as usize])
     }
 }
