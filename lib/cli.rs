@@ -4,7 +4,7 @@
 //! answers yes or no, or stops: with an error, or because nobody reads its output any more.
 
 pub use disk::Disk;
-pub use scene::{documents, flat, rules, view};
+pub use scene::{documents, flat, list, view};
 pub use signal::interrupted;
 pub use stream::{Input, Output};
 
@@ -16,7 +16,9 @@ use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 pub mod exec;
+pub mod film;
 pub mod photo;
+pub mod rays;
 pub mod search;
 
 mod disk;

@@ -69,7 +69,7 @@ impl<'a> Photo<'a> {
         let place = flat.primitives.iter().rposition(is_it);
         let place = place.ok_or_else(|| unknown.material().error("it is not in the scene"))?;
 
-        let rules = scene::rules(&arguments.light, &disk)?;
+        let rules = arguments.light.rules(&|file| scene::list(&disk, file))?;
         let scene = Scene::new(&flat, &disk, false)?;
         scene.warnings.iter().for_each(|w| console.warn(w));
         let material = scene.material(sought);
@@ -120,6 +120,7 @@ impl Objective for Direct<'_, '_> {
                 count: self.pixels.len(),
                 lens: &|i, at| lens(self.pixels[i], at),
                 jitter: 1.0,
+                blur: None,
                 budget: Budget::Samples(SAMPLES),
                 seed: photo.seed,
             },

@@ -1,13 +1,11 @@
 //! Scenes and views as they are named on a command line.
 
 use super::{Input, stream::file};
-use crate::args::rtrace::Light;
 use crate::args::{Commands, Scenes, ViewWords};
 use crate::error::Result;
 use crate::expand::{Flat, expand, refuse_commands};
 use crate::rad::Document;
 use crate::resolve::Resolve;
-use crate::rules::Rules;
 use crate::view::View;
 
 /// The documents of scene files; `-` is standard input.
@@ -35,10 +33,9 @@ pub fn flat_of(documents: Vec<Document>, options: &Scenes, resolve: &dyn Resolve
     expand(documents, resolve)
 }
 
-/// The rules that the words of a command line make.
-pub fn rules(light: &Light, resolve: &dyn Resolve) -> Result<Rules> {
-    let words = |text: &[u8]| String::from_utf8_lossy(text).split_whitespace().map(str::to_string).collect();
-    light.rules(&|list| Ok(words(&resolve.library(list)?)))
+/// The words of a file that lists modifiers.
+pub fn list(resolve: &dyn Resolve, file: &str) -> Result<Vec<String>> {
+    Ok(String::from_utf8_lossy(&resolve.library(file)?).split_whitespace().map(str::to_string).collect())
 }
 
 /// The view that the words of a command line describe.

@@ -166,7 +166,8 @@ impl<const L: usize> Tagging<'_, L> {
     pub(super) fn shape(&self, shape: &Bsdf, part: Part, wi: Vec3, arriving: Arriving) -> (Nodes<L>, f64) {
         if part.diffuse() {
             let lambert = wi.z.abs() / PI;
-            return ([f32x8::splat(lambert as f32); L], lambert);
+            let kept = if arriving == Arriving::Indirect { shape.kept } else { 1.0 };
+            return ([f32x8::splat((lambert / kept) as f32); L], lambert);
         }
         if part == Part::SpecularReflection {
             let (wo, h) = (shape.viewer(), shape.viewer() + wi);
@@ -384,7 +385,7 @@ impl Scattering for Surface<'_> {
     fn lamp_ratio(&self, part: Part, wi: Vec3) -> Option<f64> {
         match self {
             Self::Known(bsdf) => bsdf.lamp_ratio(part, wi),
-            Self::Unknown { .. } if part.diffuse() => Some(1.0),
+            Self::Unknown { shape, .. } if part.diffuse() => Some(shape.kept),
             Self::Unknown { shape, .. } => shape.lamp_ratio(part, wi),
         }
     }
