@@ -150,6 +150,8 @@ pub struct Bsdf {
     loss: Loss,
     /// Whether a texture bends the normal.
     bent: bool,
+    /// What a bent normal leaves of the diffuse lobe above the surface, as a fraction; indirect light is divided by it.
+    pub kept: f64,
     /// How light sources are scattered by expressions.
     functions: Option<Box<(Arc<Functions>, Seen)>>,
 }
@@ -222,8 +224,10 @@ impl Bsdf {
     /// Lets indirect light be scattered by the diffuse parts. A tilted shading normal must not lose light: the cosine lobe cut by the geometric
     /// horizon keeps (1 + cos)/2 of itself.
     fn gather_diffuse(&mut self, point: &Point) {
-        let kept = if self.bent { (0.5 * (1.0 + point.shading.dot(point.geometric))).max(0.5) } else { 1.0 };
-        self.ambient = self.diffuse.map(|c| c / kept);
+        if self.bent {
+            self.kept = (0.5 * (1.0 + point.shading.dot(point.geometric))).max(0.5);
+        }
+        self.ambient = self.diffuse;
     }
 
     /// Nothing is scattered: where lights and voids are.
@@ -241,6 +245,7 @@ impl Bsdf {
             deltas: [None; 2],
             loss: Loss::None,
             bent: point.perturbation != Vec3::ZERO,
+            kept: 1.0,
             functions: None,
         }
     }
@@ -374,7 +379,7 @@ impl Bsdf {
                     };
                     lobe.color * (specular * value)
                 });
-                self.ambient[side] * (lambert * diffuse) + gathered
+                self.ambient[side] * (lambert * diffuse / self.kept) + gathered
             }
         }
     }
@@ -406,7 +411,7 @@ impl Bsdf {
         match part {
             Part::DiffuseReflection | Part::DiffuseTransmission => {
                 let alike = self.loss == Loss::None && self.lobes[side].is_none_or(|l| l.gathers);
-                alike.then(|| if self.bent { self.diffuse[side].max_element() / self.ambient[side].max_element() } else { 1.0 })
+                alike.then_some(self.kept)
             }
             Part::SpecularReflection => Some(1.0 / self.tilt(wi)),
             Part::SpecularTransmission => None,
@@ -448,6 +453,13 @@ impl Bsdf {
 
     fn through_pdf(&self, lobe: &Lobe, wi: Vec3) -> f64 {
         transmission_pdf(lobe.alpha, self.straight, wi)
+    }
+
+    /// The part of uniform light that is scattered toward the viewer, by the coefficients of all parts; lobes count whole.
+    pub fn albedo(&self) -> Rgb {
+        let lobes = self.lobes.iter().flatten().filter(|l| l.gathers).map(|l| l.color);
+        let deltas = self.deltas.iter().flatten().map(|d| d.coefficient);
+        self.ambient[0] + self.ambient[1] + lobes.sum::<Rgb>() + deltas.sum::<Rgb>()
     }
 
     /// How much indirect light each part gathers, for choosing among them: the largest channel of its albedo, 0 for a part that gathers none.

@@ -16,6 +16,8 @@ use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 pub mod exec;
+pub mod film;
+pub mod rays;
 pub mod search;
 
 mod disk;

@@ -5,7 +5,7 @@
 //! and what it printed stays; text that it printed and that cannot be read is an error.
 
 mod generate;
-mod printf;
+pub mod printf;
 mod shell;
 mod xform;
 

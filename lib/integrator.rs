@@ -49,6 +49,8 @@ pub trait Transport {
     fn absorb(&self, beta: &mut Self::Beta, medium: &Inside, length: f64);
     /// Takes the light that a path found.
     fn collect(&mut self, beta: &Self::Beta, radiance: Rgb);
+    /// Whether it must hear of all rays, those aimed at lights too.
+    const WATCHES: bool = false;
     /// Hears of each ray of a path as it is followed.
     fn visit(&mut self, _beta: &mut Self::Beta, _visit: &Visit) {}
     /// Hears of each layer that a ray meets.
@@ -61,10 +63,14 @@ pub struct Visit<'a> {
     pub ray: &'a Ray,
     /// What it met; `None` if it left the scene.
     pub hit: Option<&'a Hit>,
+    /// How far it may go.
+    pub limit: f64,
     /// RADIANCE's weight of the ray.
     pub weight: f64,
     /// How it came to be.
     pub kind: Kind,
+    /// Whether it looks for a light.
+    pub shadow: bool,
 }
 
 /// How a ray comes from the one before it.
@@ -236,8 +242,9 @@ impl<'a, B: Clone> Integrator<'a, B> {
     fn run<T: Transport<Beta = B>>(&mut self, transport: &mut T) -> Outcome {
         while let Some(mut segment) = self.stack.pop() {
             let hit = self.world.nearest(&segment.ray, segment.limit);
-            let visit = Visit { ray: &segment.ray, hit: hit.as_ref(), weight: segment.weight, kind: segment.kind };
-            transport.visit(&mut segment.beta, &visit);
+            let Segment { ray, limit, weight, kind, aim, beta, .. } = &mut segment;
+            let visit = Visit { ray, hit: hit.as_ref(), limit: *limit, weight: *weight, kind: *kind, shadow: aim.is_some() };
+            transport.visit(beta, &visit);
             match hit {
                 Some(hit) => {
                     let coming = Coming {

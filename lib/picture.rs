@@ -192,12 +192,17 @@ impl Picture {
 
 /// From CIE XYZ to RADIANCE's red, green and blue, equal-energy white being (1, 1, 1) in both.
 fn xyz_to_rgb() -> Mat3 {
+    rgb_to_xyz().inverse()
+}
+
+/// From RADIANCE's red, green and blue to CIE XYZ, equal-energy white being (1, 1, 1) in both.
+pub fn rgb_to_xyz() -> Mat3 {
     let xyz = |[x, y]: [f64; 2]| Vec3::new(x / y, 1.0, (1.0 - x - y) / y);
     let [red, green, blue, white] = PRIMARIES.map(xyz);
     // Scale the primaries so that together they give white (SMPTE RP 177-1993, section 3).
     let primaries = Mat3::from_cols(red, green, blue);
     let scale = primaries.inverse() * white;
-    (primaries * Mat3::from_diagonal(scale)).inverse()
+    primaries * Mat3::from_diagonal(scale)
 }
 
 /// The number of pixels, if there are some and not too many.

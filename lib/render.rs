@@ -3,13 +3,17 @@
 //! A pixel's samples fall into [`GROUPS`] independently scrambled sequences; the spread of their means is the pixel's error. What a pixel
 //! gets depends on the seed, the pixel and the number of samples only, so any number of threads gives the same picture.
 
+mod features;
+
+pub use features::{Features, coverage, features};
+
 use crate::color::{Rgb, bright};
 use crate::error::{Error, Result};
 use crate::geometry::Ray;
-use crate::integrator::{Integrator, Radiance};
+use crate::integrator::{Integrator, Outcome, Radiance};
 use crate::picture::{pixel_count, reserve};
 use crate::rules::Rules;
-use crate::sampling::Sampler;
+use crate::sampling::{Sampler, disk};
 use crate::vector::Vec3;
 use crate::view::{Camera, View};
 use crate::world::World;
@@ -61,6 +65,12 @@ impl Film {
         Ok(Self { camera, width, height })
     }
 
+    /// What a lens of this diameter blurs, focused at the length of `-vd`.
+    pub fn blur(&self, diameter: f64) -> Option<Blur> {
+        let (axes, flat) = self.camera.axes();
+        (diameter > 0.0).then(|| Blur { diameter, focus: self.camera.focus(), axes, flat })
+    }
+
     /// The rays of the pixels, numbered row by row from the top, each row from the left.
     pub fn lens(&self) -> impl Fn(usize, [f64; 2]) -> Option<(Vec3, Vec3, f64)> + Sync {
         |number, [u, v]| {
@@ -93,7 +103,46 @@ pub struct Rendering {
     pub noise: f64,
 }
 
+/// The most samples of a pixel that has an error of its own to reach.
+const MOST: u32 = 1 << 22;
+
+/// The fewest such samples of a pixel that is left to chance: fewer may all miss what matters.
+const FEWEST: u32 = 4 * GROUPS as u32;
+
 impl Pixel {
+    /// Takes samples until the pixel by itself is what the budget asks for. `pixel` is its number; `sample` gives the light of one sample.
+    pub fn converged(budget: Budget, seed: u64, pixel: u64, mut sample: impl FnMut(Sampler) -> (Rgb, Outcome)) -> Self {
+        let (start, mut so_far) = (Instant::now(), Self::default());
+        for index in 0..MOST {
+            let done = match budget {
+                Budget::Samples(samples) => index >= samples,
+                Budget::Time(time) => index > 0 && start.elapsed() >= time,
+                Budget::Error(error) => {
+                    index >= FEWEST
+                        && index.is_multiple_of(GROUPS as u32)
+                        && so_far.variance().1.sqrt() <= error * bright(so_far.mean()).abs()
+                }
+            };
+            if done {
+                break;
+            }
+            let group = index as usize % GROUPS;
+            let (light, outcome) = sample(Sampler::new(seed, pixel, group as u32, index / GROUPS as u32));
+            so_far.add(group, light);
+            so_far.surface |= outcome.surface;
+            so_far.exact = !outcome.random;
+            if so_far.exact {
+                break;
+            }
+        }
+        so_far
+    }
+
+    /// How many samples were taken.
+    pub fn samples(&self) -> u32 {
+        self.counts.iter().sum()
+    }
+
     fn add(&mut self, group: usize, value: Rgb) {
         self.sums[group].iter_mut().zip(value.to_array()).for_each(|(sum, v)| *sum += v as f32);
         self.counts[group] += 1;
@@ -142,6 +191,8 @@ pub struct Task<'a> {
     pub lens: Lens<'a>,
     /// Over which fraction of its width a pixel is sampled (box filter); 0 samples its centre.
     pub jitter: f64,
+    /// What blurs things out of focus.
+    pub blur: Option<Blur>,
     /// When it is good enough.
     pub budget: Budget,
     /// Fixes every random choice.
@@ -175,23 +226,61 @@ pub fn render(task: &Task, goes_on: &mut dyn FnMut(&Rendering) -> bool) -> Rende
 /// Pixels that a thread takes at a time.
 const CHUNK: usize = 64;
 
+/// A lens that is sharp at one distance only.
+#[derive(Clone, Copy, Debug)]
+pub struct Blur {
+    /// Diameter of the lens.
+    pub diameter: f64,
+    /// Where it is sharp: a distance along the view direction; for round views, from the viewpoint.
+    pub focus: f64,
+    /// Unit vectors: where the camera looks to, to the right and to the top of its picture.
+    pub axes: [Vec3; 3],
+    /// Whether all that is equally far from the plane of the picture is equally sharp, rather than from the viewpoint.
+    pub flat: bool,
+}
+
+impl Blur {
+    /// The ray through another point of the lens.
+    fn bend(&self, origin: Vec3, direction: Vec3, u: [f64; 2]) -> (Vec3, Vec3) {
+        let [forward, right, up] = self.axes;
+        let reach = if self.flat { self.focus / direction.dot(forward) } else { self.focus };
+        let [x, y] = disk(u).map(|v| v * self.diameter / 2.0);
+        let moved = origin + right * x + up * y;
+        (moved, (origin + direction * reach - moved).normalize())
+    }
+}
+
 impl Task<'_> {
+    /// The ray of a sample, as far as it goes, and what is left of the random numbers; `None` outside the view.
+    fn sight(&self, number: usize, mut sampler: Sampler) -> Option<((Ray, f64), Sampler)> {
+        let at = if self.jitter > 0.0 { sampler.pair().map(|u| 0.5 + self.jitter * (u - 0.5)) } else { [0.5; 2] };
+        let (mut origin, mut direction, limit) = (self.lens)(number, at)?;
+        if let Some(blur) = &self.blur {
+            (origin, direction) = blur.bend(origin, direction, sampler.pair());
+        }
+        Some(((Ray { origin, direction }, limit), sampler))
+    }
+
+    /// Whether all samples of a pixel have the same ray.
+    fn fixed(&self) -> bool {
+        self.jitter == 0.0 && self.blur.is_none()
+    }
+
     /// Takes some samples of a pixel.
     fn sample(&self, integrator: &mut Integrator<Rgb>, number: usize, pixel: &mut Pixel, samples: Range<u32>) {
         for index in samples {
             let group = index as usize % GROUPS;
-            let mut sampler = Sampler::new(self.seed, number as u64, group as u32, index / GROUPS as u32);
-            let at = if self.jitter > 0.0 { sampler.pair().map(|u| 0.5 + self.jitter * (u - 0.5)) } else { [0.5; 2] };
-            let Some((origin, direction, limit)) = (self.lens)(number, at) else {
+            let sampler = Sampler::new(self.seed, number as u64, group as u32, index / GROUPS as u32);
+            let Some(((ray, limit), sampler)) = self.sight(number, sampler) else {
                 pixel.add(group, Rgb::ZERO);
-                pixel.exact = self.jitter == 0.0;
+                pixel.exact = self.fixed();
                 continue;
             };
             let mut transport = Radiance { rules: self.rules, sum: Rgb::ZERO };
-            let outcome = integrator.trace(&mut transport, Ray { origin, direction }, limit, sampler);
+            let outcome = integrator.trace(&mut transport, ray, limit, sampler);
             pixel.add(group, transport.sum);
             pixel.surface |= outcome.surface;
-            if !outcome.random && self.jitter == 0.0 {
+            if !outcome.random && self.fixed() {
                 pixel.exact = true;
                 return;
             }

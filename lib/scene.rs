@@ -4,7 +4,7 @@
 
 mod build;
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, Source};
 use crate::expand::Flat;
 use crate::geometry::{Mesh, Shape};
 use crate::material::Material;
@@ -130,7 +130,15 @@ pub enum End {
 impl Scene {
     /// The scene that `flat` describes. With `skip_unsupported`, surfaces whose material is not rendered are left out, with a warning.
     pub fn new(flat: &Flat, resolve: &dyn Resolve, skip_unsupported: bool) -> Result<Self> {
+        Self::with(flat, resolve, skip_unsupported, Vec::new())
+    }
+
+    /// The same, with definitions that the expressions in it may use: texts in the language of function files.
+    pub fn with(flat: &Flat, resolve: &dyn Resolve, skip_unsupported: bool, definitions: Vec<Arc<Source>>) -> Result<Self> {
         let mut builder = Builder::new(resolve, skip_unsupported);
+        for text in definitions {
+            builder.define_names(text)?;
+        }
         builder.scene.warnings.clone_from(&flat.warnings);
         let mut surfaces = Vec::new();
         for primitive in &flat.primitives {

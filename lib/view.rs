@@ -250,6 +250,11 @@ impl Camera {
         self.view.direction.length()
     }
 
+    /// Unit vectors into the picture, to its right, to its top; and whether it is flat, so that depth counts from its plane.
+    pub fn axes(&self) -> ([Vec3; 3], bool) {
+        ([self.forward, self.right, self.up], matches!(self.view.kind, ViewKind::Perspective | ViewKind::Parallel))
+    }
+
     /// Width and height in pixels of the largest picture that fits into `x_max` × `y_max` with pixels of that aspect (height over
     /// width). With aspect 0 pixels take what shape they must.
     pub fn resolution(&self, x_max: usize, y_max: usize, aspect: f64) -> (usize, usize) {

@@ -7,6 +7,7 @@ pub use explain::{defaults, explain};
 use super::{Common, Scenes, ViewWords};
 use crate::color::Rgb;
 use crate::error::{Error, Result};
+use crate::rays::Space;
 use crate::render::{Budget, DEFAULT_ERROR};
 use crate::rules::{FRESNEL_OFFSET, Rules, Ward};
 use clap::ArgAction;
@@ -122,6 +123,27 @@ pub struct PictureOptions {
     /// Luminance, times 179; for rays only
     #[arg(long = "pY")]
     pub luminance: bool,
+
+    /// What the eye sees by night; for rays only
+    #[arg(long = "pS")]
+    pub scotopic: bool,
+
+    /// What sets the clock of the body; for rays only
+    #[arg(long = "pM")]
+    pub melanopic: bool,
+}
+
+impl PictureOptions {
+    /// What colours are told in.
+    pub fn space(&self) -> Space {
+        match (self.xyz, self.luminance, self.scotopic, self.melanopic) {
+            (true, ..) => Space::Xyz,
+            (_, true, ..) => Space::Photopic,
+            (_, _, true, _) => Space::Scotopic,
+            (.., true) => Space::Melanopic,
+            _ => Space::Rgb,
+        }
+    }
 }
 
 /// How rays are read and what is said of them.

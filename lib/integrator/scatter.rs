@@ -37,11 +37,11 @@ impl<B: Clone> Integrator<'_, B> {
     /// Scattering at a surface: `at` begins there, with the direction it came with.
     pub(super) fn scatter<T: Transport<Beta = B>>(&mut self, transport: &mut T, mut at: Segment<B>, layer: &Layer) {
         let vertex = Vertex { surface: transport.surface(layer, self.rules), layer };
-        at.limit = f64::INFINITY;
         if at.aim.is_some() {
             let way = layer.relay.is_none() as usize;
             if let Some(delta) = &vertex.surface.deltas()[way] {
                 let mut next = self.after(transport, &mut at, &vertex, delta);
+                next.weight *= delta.coefficient.max_element().min(1.0);
                 if let Some(lamp) = layer.relay {
                     next.aim = Some(Emitter::Lamp(lamp));
                 }
@@ -184,7 +184,7 @@ impl<B: Clone> Integrator<'_, B> {
         let bounces = at.bounces + next.part.diffuse() as u32;
         let reflected = next.part.side() == 0;
         let path = Segment { ray, beta, sampler, bounces, scattered: Some(from), kind: Kind::Scattered, ..at.clone() };
-        let path = if reflected { path } else { path.beyond(next.layer) };
+        let path = if reflected { path.free() } else { path.beyond(next.layer) };
         self.push(transport, path, next.weight, reflected);
     }
 
@@ -203,7 +203,7 @@ impl<B: Clone> Integrator<'_, B> {
         if let Some(medium) = delta.medium {
             next.medium = medium;
         }
-        if delta.reflected { next } else { next.beyond(vertex.layer) }
+        if delta.reflected { next.free() } else { next.beyond(vertex.layer) }
     }
 
     /// Follows a direction that is scattered into alone, taken with probability `share`.
@@ -331,10 +331,8 @@ impl<B: Clone> Integrator<'_, B> {
         }
         let ray = Ray { origin: at.ray.origin, direction };
         let mut next = Segment { ray, beta, sampler: at.sampler.clone(), aim: Some(aim), kind: Kind::Shadow, ..at.clone() };
-        if layer.clip.is_some() && direction.dot(layer.point.geometric) < 0.0 {
-            next = next.beyond(layer);
-        }
-        if self.world.transparent() || distance < f64::INFINITY {
+        next = if direction.dot(layer.point.geometric) < 0.0 { next.beyond(layer) } else { next.free() };
+        if T::WATCHES || self.world.transparent() || distance < f64::INFINITY || next.limit < f64::INFINITY {
             self.stack.push(next);
         } else if !self.world.occluded(&next.ray) {
             self.escape(transport, next);
@@ -350,6 +348,12 @@ struct At<'v> {
 }
 
 impl<B> Segment<B> {
+    /// The same path with no end: what is reflected is not held by the limit of the ray before it.
+    fn free(mut self) -> Self {
+        self.limit = f64::INFINITY;
+        self
+    }
+
     /// The same path on the other side of what it met.
     pub(super) fn beyond(mut self, layer: &Layer) -> Self {
         if layer.clip.is_some() {

@@ -1,6 +1,7 @@
 //! A scene in the making: names are looked up as RADIANCE looks them up, each modifier is resolved once.
 
-use super::{Chain, ChainId, Distant, End, Error, Form, Link, MaterialId, Named, Result, Scene, Surface};
+use super::{Chain, ChainId, Distant, End, Error, Form, Link, MaterialId, Named, Result, Scene, Source, Surface};
+use crate::cal::FileId;
 use crate::expand::{Annotation, expand};
 use crate::geometry::{LEVELS, Mesh, Shape};
 use crate::import::{self, MeshMaterial, Octree};
@@ -101,6 +102,11 @@ impl<'a> Builder<'a> {
             within: Vec::new(),
             depth: 0,
         }
+    }
+
+    /// Takes definitions in that all expressions may use.
+    pub fn define_names(&mut self, text: Arc<Source>) -> Result<()> {
+        self.sources.library.define(text, FileId::GLOBAL)
     }
 
     /// Turns what cannot be rendered into a warning, if that was asked for.

@@ -180,7 +180,8 @@ impl<const L: usize> Tagging<'_, L> {
         let all = |x: f64| [f32x8::splat(x as f32); L];
         if part.diffuse() {
             let lambert = wi.z.abs() / PI;
-            return (all(lambert), all(lambert));
+            let kept = if arriving == Arriving::Indirect { shape.kept } else { 1.0 };
+            return (all(lambert / kept), all(lambert));
         }
         let (values, density): (Nodes<L>, f64) = if part == Part::SpecularReflection {
             let (wo, h) = (shape.viewer(), shape.viewer() + wi);
@@ -413,7 +414,7 @@ impl Scattering for Surface<'_> {
     fn lamp_ratio(&self, part: Part, wi: Vec3) -> Option<f64> {
         match self {
             Self::Known(bsdf) => bsdf.lamp_ratio(part, wi),
-            Self::Unknown { .. } if part.diffuse() => Some(1.0),
+            Self::Unknown { shape, .. } if part.diffuse() => Some(shape.kept),
             Self::Unknown { shape, .. } => shape.lamp_ratio(part, wi),
         }
     }

@@ -1,97 +1,136 @@
 //! rtrace-rs: renders RADIANCE scenes, with environment maps as light.
 
-use inverad::args::rtrace::Arguments;
+use inverad::args::rtrace::{Arguments, defaults, explain, modifiers};
 use inverad::cal;
-use inverad::cli::{self, Answer, Console, Disk, Outcome, Output, interrupted};
-use inverad::error::Error;
-use inverad::picture::exr::{Plane, Planes};
-use inverad::picture::{Header, Picture};
-use inverad::render::{Film, Rendering, Task, render};
+use inverad::cli::rays::{Stream, answer};
+use inverad::cli::{self, Answer, Console, Disk, Outcome, Output, film, interrupted};
+use inverad::error::{Error, Result, Source};
+use inverad::rays::{Fields, Format, Teller};
+use inverad::render::{Film, Task, coverage, features, render};
 use inverad::resolve::Resolve;
-use inverad::scene::Scene;
+use inverad::rules::Rules;
+use inverad::scene::{MaterialId, Scene};
+use inverad::vector::Vec3;
 use inverad::world::World;
 use std::process::ExitCode;
+use std::sync::Arc;
 
 fn main() -> ExitCode {
     cli::main("rtrace-rs", run)
 }
 
 fn run(args: Arguments, console: &Console) -> Outcome<Answer> {
-    let budget = args.accuracy.budget()?;
-    if args.view.words.is_empty() {
-        return Err(Error::new("no view; give one with -vf FILE or -vp, -vd … (--help lists all options)").into());
+    if args.defaults {
+        Output::whole(None, defaults(&args).as_bytes())?;
+        return Ok(Answer::Yes);
     }
-    let view = cli::view(&args.view)?;
-    let size = |given: Option<usize>| given.unwrap_or(512);
-    let film = Film::new(&view, size(args.picture.x), size(args.picture.y), args.picture.pa.unwrap_or(1.0))?;
-
+    if args.explain {
+        explain(&args).lines().for_each(|line| console.note(line));
+        if args.scenes.is_empty() {
+            return Ok(Answer::Yes);
+        }
+    }
     let disk = Disk::new(args.scene_options.commands, cal::shipped, console);
-    let rules = args.light.rules(&|list| Ok(words(&disk.library(list)?)))?;
-    let flat = cli::flat(&args.scenes, &args.scene_options, &disk)?;
-    let scene = Scene::new(&flat, &disk, args.skip_unsupported)?;
+    let list = |file: &str| Ok(String::from_utf8_lossy(&disk.library(file)?).split_whitespace().map(str::to_string).collect());
+    let rules = args.light.rules(&list)?;
+    if args.view.words.is_empty() { rays(&args, &rules, &disk, &list, console) } else { picture(&args, &rules, &disk, console) }
+}
+
+/// The world of the scene that was named.
+fn world(args: &Arguments, rules: &Rules, disk: &Disk, console: &Console) -> Outcome<World> {
+    let flat = cli::flat(&args.scenes, &args.scene_options, disk)?;
+    let mut definitions: Vec<Arc<Source>> = args.definitions.iter().map(|text| Source::new("-e", text.as_str())).collect();
+    for name in &args.function_files {
+        definitions.push(Source::new(name.as_str(), String::from_utf8_lossy(&disk.library(name)?)));
+    }
+    let scene = Scene::with(&flat, disk, args.skip_unsupported, definitions)?;
     if args.light.tuning.w != Some(false) {
         scene.warnings.iter().for_each(|w| console.warn(w));
     }
-    let world = World::new(scene, &rules)?;
+    Ok(World::new(scene, rules)?)
+}
+
+/// Answers the rays on standard input.
+fn rays(args: &Arguments, rules: &Rules, disk: &Disk, list: &dyn Fn(&str) -> Result<Vec<String>>, console: &Console) -> Outcome<Answer> {
+    let options = &args.rays;
+    if args.scenes.iter().any(|name| name == "-") {
+        return Err(Error::new("standard input holds the rays; name the files of the scene, or give a view (-vf FILE, -vp …)").into());
+    }
+    let format = Format::of(options.format.as_deref().unwrap_or("a"))?;
+    let mut fields = Fields::of(options.specifiers.as_deref().unwrap_or("v"), format.output)?;
+    fields.among =
+        match (modifiers(&options.exclude, &options.exclude_files, list)?, modifiers(&options.include, &options.include_files, list)?) {
+            (Some(_), Some(_)) => {
+                return Err(Error::new("-te and -ti exclude each other: give either what is told of or what is not").into());
+            }
+            (excluded, included) => excluded.map(|names| (false, names)).or(included.map(|names| (true, names))),
+        };
+    let world = world(args, rules, disk, console)?;
+    let teller = Teller {
+        world: &world,
+        rules,
+        fields: &fields,
+        format,
+        space: args.picture.space(),
+        budget: args.accuracy.budget()?,
+        seed: args.common.seed,
+        limited: options.limit.unwrap_or(false),
+        irradiance: options.point_irradiance.unwrap_or(false),
+    };
+    let stream = Stream {
+        x: args.picture.x.unwrap_or(0),
+        y: args.picture.y.unwrap_or(0),
+        header: options.header.unwrap_or(true),
+        output: args.common.output.as_deref(),
+    };
+    answer(teller, &stream, console)?;
+    Ok(Answer::Yes)
+}
+
+/// Renders the picture of a view.
+fn picture(args: &Arguments, rules: &Rules, disk: &Disk, console: &Console) -> Outcome<Answer> {
+    let options = &args.picture;
+    let view = cli::view(&args.view)?;
+    let size = |given: Option<usize>| given.unwrap_or(512);
+    let film = Film::new(&view, size(options.x), size(options.y), options.pa.unwrap_or(1.0))?;
+    let budget = args.accuracy.budget()?;
+    let aovs = options.aov.as_ref().map(|words| film::aovs(&words[0])).transpose()?;
+    let world = world(args, rules, disk, console)?;
 
     let stop = interrupted();
     let task = Task {
         world: &world,
-        rules: &rules,
+        rules,
         count: film.width * film.height,
         lens: &film.lens(),
-        jitter: args.picture.pj.unwrap_or(1.0),
+        jitter: options.pj.unwrap_or(1.0),
+        blur: film.blur(options.pd.unwrap_or(0.0)),
         budget,
         seed: args.common.seed,
     };
+    let mut header = film::header(console.trail(), &view, &film);
+    let output = args.common.output.as_deref();
+    if let Some(name) = &options.coverage {
+        let materials: Vec<MaterialId> = (0..world.materials().len()).filter(|&m| world.materials()[m].name == *name).collect();
+        if materials.is_empty() {
+            return Err(Error::new(format!("--coverage {name}: no surface has a material of this name")).into());
+        }
+        let covered = film::picture(&film, header, coverage(&task, &materials).into_iter().map(Vec3::splat));
+        film::write(&covered, output, options.exr)?;
+        return Ok(Answer::Yes);
+    }
     let rendering = render(&task, &mut |so_far| {
         console.progress(|| format!("{} samples a pixel, error {:.2} %", so_far.samples, 100.0 * so_far.noise));
         !stop()
     });
-
-    let mut header = Header::new(console.trail());
-    header.push(&view.header_line());
     header.push(&format!("NOISE= {:.6}", rendering.noise));
-    let aspect = film.camera.pixel_aspect(film.width, film.height);
-    if !(0.995..=1.005).contains(&aspect) {
-        header.push(&format!("PIXASPECT= {aspect:.6}"));
+    if let Some(path) = &options.variance {
+        Output::whole(Some(path), &film::variance(&film, &header, &rendering)?)?;
     }
-    if let Some(path) = &args.picture.variance {
-        Output::whole(Some(path), &variance(&film, &header, &rendering).write()?)?;
+    if let (Some(names), Some([_, path])) = (aovs, options.aov.as_deref()) {
+        Output::whole(Some(path.as_ref()), &film::features(&film, &header, &names, &features(&task, &rendering))?)?;
     }
-    let picture = Picture {
-        width: film.width,
-        height: film.height,
-        header,
-        pixels: rendering.pixels.iter().map(|p| p.mean().to_array().map(|v| v as f32)).collect(),
-    };
-    let output = args.common.output.as_deref();
-    let exr = args.picture.exr || output.is_some_and(|path| path.extension().is_some_and(|e| e == "exr"));
-    let png = output.is_some_and(|path| path.extension().is_some_and(|e| e == "png"));
-    let bytes = if exr {
-        picture.write_exr()
-    } else if png {
-        picture.write_png()
-    } else {
-        picture.write_hdr()
-    }?;
-    Output::whole(output, &bytes)?;
+    let picture = film::picture(&film, header, rendering.pixels.iter().map(|p| p.mean()));
+    film::write(&if options.xyz { film::in_xyz(picture) } else { picture }, output, options.exr)?;
     Ok(Answer::Yes)
-}
-
-/// The variance of each pixel of a rendering.
-fn variance(film: &Film, header: &Header, rendering: &Rendering) -> Planes {
-    let variances: Vec<[f32; 3]> = rendering.pixels.iter().map(|p| p.variance().0.to_array().map(|v| v as f32)).collect();
-    let plane = |(c, name): (usize, &str)| Plane::new(&format!("variance.{name}"), variances.iter().map(|v| v[c]).collect());
-    Planes {
-        width: film.width,
-        height: film.height,
-        header: header.clone(),
-        planes: ["R", "G", "B"].into_iter().enumerate().map(plane).collect(),
-    }
-}
-
-/// The words of a text.
-fn words(text: &[u8]) -> Vec<String> {
-    String::from_utf8_lossy(text).split_whitespace().map(str::to_string).collect()
 }

@@ -129,7 +129,10 @@ pub fn exr() -> Vec<Case> {
         ("version 77", Content::Bytes([magic, &[77, 0, 0, 0], &good[8..]].concat())),
         ("no channels", changed(&good, b"channels", b"shannels")),
         ("a channel less", changed(&good, b"\0B\0", b"\0Q\0")),
-        ("an unknown compression", changed(&good, b"compression\0compression\0\x01\0\0\0\x03", b"compression\0compression\0\x01\0\0\0\x63")),
+        (
+            "an unknown compression",
+            changed(&good, b"compression\0compression\0\x01\0\0\0\x03", b"compression\0compression\0\x01\0\0\0\x63"),
+        ),
         ("windows of two sizes", size(79, 11)),
         ("a huge window", windows(i32::MAX - 1, i32::MAX - 1)),
         ("a wide window", windows(1 << 28, 0)),
@@ -177,7 +180,10 @@ pub fn meshes() -> Vec<Case> {
 /// The mesh with one byte of its first patch changed: flags, then the number of vertices.
 fn last_patch(at: usize, to: u8) -> Content {
     // The number of patches and the first one's flags and count stand right after the scene, which ends with type −1.
-    let patch = (0..RTM.len() - 7).rev().find(|&i| RTM[i] == 0xff && RTM[i + 1..i + 5] == [0, 0, 0, RTM[i + 4]] && RTM[i + 5] == 7).expect("a patch");
+    let patch = (0..RTM.len() - 7)
+        .rev()
+        .find(|&i| RTM[i] == 0xff && RTM[i + 1..i + 5] == [0, 0, 0, RTM[i + 4]] && RTM[i + 5] == 7)
+        .expect("a patch");
     let mut bytes = RTM.to_vec();
     bytes[patch + 5 + at] = to;
     Content::Bytes(bytes)

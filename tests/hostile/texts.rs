@@ -213,7 +213,9 @@ pub fn whole() -> Vec<Case> {
         Case::new("scene", "rparse --check bad", "").with("bad", SCENE),
         Case::new("scene", &format!("{SEE} bad"), "").with("bad", SCENE),
         Case::new("scene", "anneal --exec echo~1 --steps 3 --no-polish bad", "").with("bad", SCENE),
-        Case::new("view", "rtrace-rs -n 1 -x 8 -y 8 --spp 1 -vf bad main.rad", "").with("main.rad", SCENE).with("bad", "VIEW= -vp 0 -5 0\n"),
+        Case::new("view", "rtrace-rs -n 1 -x 8 -y 8 --spp 1 -vf bad main.rad", "")
+            .with("main.rad", SCENE)
+            .with("bad", "VIEW= -vp 0 -5 0\n"),
         used_as("cal", "functions", "g(x) = x; f = g(1);", ""),
         used_as("dat", "data", "1 0 1 3 1 2 3", ""),
         used_as("mesh", "wavefront", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", ""),
@@ -225,7 +227,7 @@ pub fn functions() -> Vec<Case> {
     let chain: String = (0..20_000).map(|i| format!("f{} = f{}+1;", i, i + 1)).collect();
     let doubling: String = (0..64).map(|i| format!("g{i}(x) = g{0}(x)+g{0}(x+1);", i + 1)).collect();
     let rows: Vec<(&str, String)> = vec![
-                ("no end of a definition", "f = 1 +".into()),
+        ("no end of a definition", "f = 1 +".into()),
         ("no value", "f = ;".into()),
         ("no name", "= 1;".into()),
         ("an operator too many", "f = 1 * / 2;".into()),

@@ -158,7 +158,8 @@ pub fn arguments() -> Vec<Case> {
             };
             cases.push(Case::new(format!("a file name: {label}"), &line, place));
             if !word.is_empty() {
-                cases.push(Case::new(format!("an option: {label}"), &format!("{program} --{word} main.rad"), place).with("main.rad", SCENE));
+                cases
+                    .push(Case::new(format!("an option: {label}"), &format!("{program} --{word} main.rad"), place).with("main.rad", SCENE));
             }
         }
     }

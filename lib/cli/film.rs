@@ -1,0 +1,101 @@
+//! What a program makes of a rendering: a picture file, and beside it variance and other pictures of the same pixels.
+
+use super::{Outcome, Output};
+use crate::error::{Error, Result};
+use crate::picture::exr::{Plane, Planes};
+use crate::picture::{Format, Header, Picture, rgb_to_xyz};
+use crate::render::{Features, Film, Rendering};
+use crate::vector::Vec3;
+use crate::view::View;
+use std::path::Path;
+
+/// The header of what `command` makes of a view.
+pub fn header(command: &str, view: &View, film: &Film) -> Header {
+    let mut header = Header::new(command);
+    header.push(&view.header_line());
+    let aspect = film.camera.pixel_aspect(film.width, film.height);
+    if !(0.995..=1.005).contains(&aspect) {
+        header.push(&format!("PIXASPECT= {aspect:.6}"));
+    }
+    header
+}
+
+/// A picture of these values.
+pub fn picture(film: &Film, header: Header, values: impl Iterator<Item = Vec3>) -> Picture {
+    Picture { width: film.width, height: film.height, header, pixels: values.map(|v| v.to_array().map(|v| v as f32)).collect() }
+}
+
+/// The same picture in CIE XYZ, Y in cd/m².
+pub fn in_xyz(mut picture: Picture) -> Picture {
+    let matrix = rgb_to_xyz() * crate::color::WHITE_EFFICACY;
+    for pixel in &mut picture.pixels {
+        *pixel = (matrix * Vec3::from(pixel.map(f64::from))).to_array().map(|v| v as f32);
+    }
+    picture.header.lines.retain(|line| !line.starts_with("PRIMARIES="));
+    picture.header.format = Format::Xyz;
+    picture
+}
+
+/// Writes a picture: OpenEXR if that is wanted or the name ends so, PNG if it ends so, else RADIANCE's.
+pub fn write(picture: &Picture, path: Option<&Path>, exr: bool) -> Outcome<()> {
+    let ends = |extension: &str| path.is_some_and(|path| path.extension().is_some_and(|e| e == extension));
+    let bytes = if exr || ends("exr") {
+        picture.write_exr()
+    } else if ends("png") {
+        picture.write_png()
+    } else {
+        picture.write_hdr()
+    };
+    Output::whole(path, &bytes?)
+}
+
+/// The variance of each pixel of a rendering.
+pub fn variance(film: &Film, header: &Header, rendering: &Rendering) -> Result<Vec<u8>> {
+    let variances: Vec<[f32; 3]> = rendering.pixels.iter().map(|p| p.variance().0.to_array().map(|v| v as f32)).collect();
+    let mut planes = empty(film, header);
+    planes.push_picture("variance", &variances);
+    planes.write()
+}
+
+/// Other pictures of the same pixels that can be kept.
+const AOVS: [&str; 5] = ["normal", "depth", "albedo", "direct", "indirect"];
+
+/// The names of other pictures in a list with commas.
+pub fn aovs(list: &str) -> Result<Vec<&'static str>> {
+    list.split(',')
+        .map(|name| {
+            let known = AOVS.into_iter().find(|known| *known == name.trim());
+            known.ok_or_else(|| Error::new(format!("--aov {list}: there is no `{name}`; name some of {}", AOVS.join(","))))
+        })
+        .collect()
+}
+
+/// Those pictures, as planes.
+pub fn features(film: &Film, header: &Header, names: &[&str], features: &[Features]) -> Result<Vec<u8>> {
+    let mut planes = empty(film, header);
+    let mut color = |name: &str, of: fn(&Features) -> Vec3| {
+        let values: Vec<[f32; 3]> = features.iter().map(|f| of(f).to_array().map(|v| v as f32)).collect();
+        planes.push_picture(name, &values);
+    };
+    for &name in names {
+        match name {
+            "albedo" => color(name, |f| f.albedo),
+            "direct" => color(name, |f| f.direct),
+            "indirect" => color(name, |f| f.indirect),
+            _ => {}
+        }
+    }
+    if names.contains(&"normal") {
+        for (axis, letter) in ["X", "Y", "Z"].into_iter().enumerate() {
+            planes.planes.push(Plane::new(&format!("normal.{letter}"), features.iter().map(|f| f.normal[axis] as f32).collect()));
+        }
+    }
+    if names.contains(&"depth") {
+        planes.planes.push(Plane::new("depth.Z", features.iter().map(|f| f.depth as f32).collect()));
+    }
+    planes.write()
+}
+
+fn empty(film: &Film, header: &Header) -> Planes {
+    Planes { width: film.width, height: film.height, header: header.clone(), planes: Vec::new() }
+}

@@ -1,0 +1,202 @@
+//! What is asked and said of single rays, in the forms of `rtrace`: text, single or double precision, RGBE.
+//!
+//! A [`Reader`] takes rays from a stream; [`Teller::tell`] makes the record of a ray: the fields that `-o` names, with the colours of
+//! `-p`. Records of a text end with a line break, their fields with a tab.
+
+mod fields;
+mod teller;
+mod tree;
+
+pub use fields::{Fields, Space};
+pub use teller::Teller;
+
+use crate::error::{Error, Result};
+use std::io::{BufRead, ErrorKind};
+
+/// How numbers are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Form {
+    /// As text.
+    Ascii,
+    /// Four bytes, the processor's order.
+    Single,
+    /// Eight bytes, the processor's order.
+    Double,
+    /// A colour in four bytes: three mantissas and an exponent.
+    Color,
+}
+
+/// The letters of `-f`: the form of the rays, and of the answers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Format {
+    /// The form of the rays.
+    pub input: Form,
+    /// The form of the answers.
+    pub output: Form,
+}
+
+impl Format {
+    /// What `-f` and one or two letters mean.
+    pub fn of(letters: &str) -> Result<Self> {
+        let form = |letter: char| match letter {
+            'a' => Some(Form::Ascii),
+            'f' => Some(Form::Single),
+            'd' => Some(Form::Double),
+            'c' => Some(Form::Color),
+            _ => None,
+        };
+        let forms: Option<Vec<Form>> = letters.chars().map(form).collect();
+        match forms.as_deref() {
+            Some(&[both]) if both != Form::Color => Ok(Self { input: both, output: both }),
+            Some(&[input, output]) if input != Form::Color => Ok(Self { input, output }),
+            _ => Err(Error::new(format!(
+                "-f{letters}: give the form of the rays (a, f or d) and then of the answers (a, f, d or c), as in -ffc"
+            ))),
+        }
+    }
+}
+
+impl Form {
+    /// What the header of a stream of answers calls it.
+    pub fn name(self, space: Space) -> &'static str {
+        match self {
+            Self::Ascii => "ascii",
+            Self::Single => "float",
+            Self::Double => "double",
+            Self::Color if space == Space::Xyz => "32-bit_rle_xyze",
+            Self::Color => "32-bit_rle_rgbe",
+        }
+    }
+}
+
+/// The longest word of a text, in bytes.
+const LONGEST_WORD: usize = 64;
+
+/// Rays from a stream: six numbers each, an origin and a direction.
+pub struct Reader<R> {
+    input: R,
+    form: Form,
+    rays: usize,
+}
+
+impl<R: BufRead> Reader<R> {
+    /// Rays written in that form.
+    pub fn new(input: R, form: Form) -> Self {
+        Self { input, form, rays: 0 }
+    }
+
+    /// The next ray; `None` at the end.
+    pub fn read(&mut self) -> Result<Option<[f64; 6]>> {
+        let mut ray = [0.0; 6];
+        for (i, value) in ray.iter_mut().enumerate() {
+            *value = match self.number()? {
+                Some(value) => value,
+                None if i == 0 => return Ok(None),
+                None => return Err(Error::new(format!("{}: the input ends after {i} of its 6 numbers", self.place()))),
+            };
+        }
+        self.rays += 1;
+        Ok(Some(ray))
+    }
+
+    fn place(&self) -> String {
+        format!("<stdin>: ray {}", self.rays + 1)
+    }
+
+    fn number(&mut self) -> Result<Option<f64>> {
+        match self.form {
+            Form::Ascii => match self.word()? {
+                Some(word) => match word.parse::<f64>() {
+                    Ok(value) if value.is_finite() => Ok(Some(value)),
+                    _ => Err(Error::new(format!("{}: `{word}` is not a number", self.place()))),
+                },
+                None => Ok(None),
+            },
+            Form::Double => Ok(self.bytes::<8>()?.map(f64::from_ne_bytes)),
+            _ => Ok(self.bytes::<4>()?.map(|b| f32::from_ne_bytes(b) as f64)),
+        }
+    }
+
+    /// The next word of a text.
+    fn word(&mut self) -> Result<Option<String>> {
+        let mut word = String::new();
+        while let Some(byte) = self.byte()? {
+            match byte {
+                b if b.is_ascii_whitespace() || b == 0x0b => {
+                    if !word.is_empty() {
+                        break;
+                    }
+                }
+                b if word.len() < LONGEST_WORD => word.push(b as char),
+                _ => return Err(Error::new(format!("{}: `{word}…` is too long for a number", self.place()))),
+            }
+        }
+        Ok(if word.is_empty() { None } else { Some(word) })
+    }
+
+    /// The next bytes; `None` at the end, or if too few are left.
+    fn bytes<const N: usize>(&mut self) -> Result<Option<[u8; N]>> {
+        let mut bytes = [0; N];
+        for byte in &mut bytes {
+            match self.byte()? {
+                Some(b) => *byte = b,
+                None => return Ok(None),
+            }
+        }
+        Ok(Some(bytes))
+    }
+
+    fn byte(&mut self) -> Result<Option<u8>> {
+        loop {
+            match self.input.fill_buf() {
+                Ok(bytes) => {
+                    let byte = bytes.first().copied();
+                    self.input.consume(byte.is_some() as usize);
+                    return Ok(byte);
+                }
+                Err(e) if e.kind() == ErrorKind::Interrupted => {}
+                Err(e) => return Err(Error::new(format!("{}: {e}", self.place()))),
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rays_are_read_in_every_form() {
+        let rays: [[f64; 6]; 2] = [[0.0, -1.5, 2.0, 0.25, 0.0, -1.0], [1.0; 6]];
+        let text = "0 -1.5\t2e0\r\n.25 0 -1\n\n1 1 1 1 1 1";
+        let single: Vec<u8> = rays.iter().flatten().flat_map(|&v| (v as f32).to_ne_bytes()).collect();
+        let double: Vec<u8> = rays.iter().flatten().flat_map(|v| v.to_ne_bytes()).collect();
+        for (bytes, form) in [(text.as_bytes(), Form::Ascii), (&single, Form::Single), (&double, Form::Double)] {
+            let mut reader = Reader::new(bytes, form);
+            assert_eq!([reader.read().unwrap().unwrap(), reader.read().unwrap().unwrap()], rays);
+            assert_eq!(reader.read().unwrap(), None);
+        }
+    }
+
+    #[test]
+    fn what_is_no_ray_is_an_error_with_its_number() {
+        for (text, wanted) in [
+            ("0 0 0 0 0 1 2 3", "<stdin>: ray 2: the input ends after 2 of its 6 numbers"),
+            ("0 0 x", "<stdin>: ray 1: `x` is not a number"),
+            ("nan", "`nan` is not a number"),
+        ] {
+            let mut reader = Reader::new(text.as_bytes(), Form::Ascii);
+            let error = std::iter::from_fn(|| Some(reader.read())).find_map(Result::err).unwrap();
+            assert!(error.message.contains(wanted), "{}", error.message);
+        }
+    }
+
+    #[test]
+    fn formats_are_one_letter_or_two() {
+        use Form::*;
+        for (letters, input, output) in [("a", Ascii, Ascii), ("fc", Single, Color), ("da", Double, Ascii)] {
+            assert_eq!(Format::of(letters).unwrap(), Format { input, output });
+        }
+        assert!(["", "c", "cf", "afd", "x"].into_iter().all(|letters| Format::of(letters).is_err()));
+    }
+}

@@ -1,0 +1,181 @@
+//! Rays in, records out: what `rtrace-rs` says, letter by letter, is what the real `rtrace` says.
+//!
+//! `tests/rays/recorded.json` holds scenes and what RADIANCE 6.0a said: `oconv SCENE > s.oct; rtrace -w ARGS s.oct < INPUT`; binary
+//! output is in hexadecimal. Its Fresnel constant is that of releases before June 2026.
+
+use serde_json::Value;
+use std::io::Write;
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+
+/// The options by which RADIANCE leaves nothing to chance.
+const EXACT: &str = "-u- -h -ab 0 -lr 12 -lw 1e-9 -dt 0 -dj 0 -ds 0 -st 0 -ss 0";
+
+/// RADIANCE computes with light in single precision.
+const TOLERANCE: f64 = 2e-5;
+
+fn run(directory: &Path, args: &[&str], input: &[u8]) -> Output {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_rtrace-rs"))
+        .args(args)
+        .current_dir(directory)
+        .env("RAYPATH", ".")
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    // A program that has read enough closes its input.
+    let _ = child.stdin.take().unwrap().write_all(input);
+    child.wait_with_output().unwrap()
+}
+
+/// Runs the program on a scene, and expects it to work.
+fn records(scene: &str, args: &str, input: &str) -> Vec<u8> {
+    let directory = tempfile::tempdir().unwrap();
+    std::fs::write(directory.path().join("scene.rad"), scene).unwrap();
+    let mut args: Vec<&str> = args.split_whitespace().collect();
+    args.extend(["--fresnel-offset", "0.00202943064", "scene.rad"]);
+    let output = run(directory.path(), &args, input.as_bytes());
+    assert!(output.status.success(), "{args:?}: {}", String::from_utf8_lossy(&output.stderr));
+    output.stdout
+}
+
+fn near(a: f64, b: f64) -> bool {
+    (a - b).abs() <= TOLERANCE * b.abs() + 1e-12 || a.abs().max(b.abs()) < 2e-7
+}
+
+fn same_text(found: &str, wanted: &str) -> bool {
+    let fields = |text: &str| text.split(['\t', '\n']).map(str::to_string).collect::<Vec<_>>();
+    let (found, wanted) = (fields(found), fields(wanted));
+    found.len() == wanted.len()
+        && found.iter().zip(&wanted).all(|(f, w)| match (f.parse(), w.parse()) {
+            (Ok(f), Ok(w)) => near(f, w),
+            _ => f == w,
+        })
+}
+
+/// Numbers and names of binary records, by the letters of `-o`.
+fn fields(bytes: &[u8], letters: &str, double: bool) -> Vec<String> {
+    let mut rest = bytes;
+    let mut found = Vec::new();
+    while !rest.is_empty() {
+        for letter in letters.chars() {
+            let count = match letter {
+                's' | 'm' | 'M' => {
+                    let end = rest.iter().position(|&b| b == b'\t').unwrap();
+                    found.push(String::from_utf8(rest[..end].to_vec()).unwrap());
+                    rest = &rest[end + 1..];
+                    continue;
+                }
+                'v' | 'N' => 3,
+                _ => 1,
+            };
+            for _ in 0..count {
+                let (number, size) = match double {
+                    true => (f64::from_ne_bytes(rest[..8].try_into().unwrap()), 8),
+                    false => (f32::from_ne_bytes(rest[..4].try_into().unwrap()) as f64, 4),
+                };
+                found.push(number.to_string());
+                rest = &rest[size..];
+            }
+        }
+    }
+    found
+}
+
+#[test]
+fn every_letter_says_what_rtrace_says() {
+    let recorded: Value = serde_json::from_str(include_str!("rays/recorded.json")).unwrap();
+    let mut failures = Vec::new();
+    for case in recorded["cases"].as_array().unwrap() {
+        let text = |key: &str| case[key].as_str().unwrap_or_default();
+        let found = records(recorded["scenes"][text("scene")].as_str().unwrap(), text("args"), text("input"));
+        let good = match case["hex"].as_str() {
+            None => same_text(&String::from_utf8_lossy(&found), text("output")),
+            Some(hex) => {
+                let wanted: Vec<u8> = (0..hex.len()).step_by(2).map(|i| u8::from_str_radix(&hex[i..i + 2], 16).unwrap()).collect();
+                let letters = text("args").split_whitespace().find_map(|w| w.strip_prefix("-o")).unwrap_or("v");
+                match text("args").split_whitespace().find_map(|w| w.strip_prefix("-f")).unwrap() {
+                    "ac" => found == wanted,
+                    form => {
+                        let [found, wanted] = [&found, &wanted].map(|bytes| fields(bytes, letters, form.ends_with('d')).join("\t"));
+                        same_text(&found, &wanted)
+                    }
+                }
+            }
+        };
+        if !good {
+            failures.push(format!("{}\n--- found\n{}--- wanted\n{}", text("args"), String::from_utf8_lossy(&found), text("output")));
+        }
+    }
+    assert!(failures.is_empty(), "{} failures\n{}", failures.len(), failures.join("\n"));
+}
+
+const GLOW: &str = "void glow g 0 0 4 1 2 3 0\ng source sky 0 0 4 0 0 1 360\n";
+
+#[test]
+fn the_header_names_what_follows() {
+    // As rtrace's, but for the dates.
+    for (args, wanted) in [
+        ("-x 2 -y 1", "NCOMP=3\nFORMAT=ascii\n\n-Y        1 +X        2\n"),
+        ("-odsN -x 1 -y 1", "NCOMP=7\nFORMAT=ascii\n\n-Y        1 +X        1\n"),
+        ("-faf", "NCOMP=3\nBigEndian=0\nFORMAT=float\n\n"),
+        ("-fad -pY", "NCOMP=1\nBigEndian=0\nFORMAT=double\n\n"),
+        ("-fac", "NCOMP=3\nFORMAT=32-bit_rle_rgbe\n\n"),
+        ("-fac -pXYZ", "NCOMP=3\nPRIMARIES= 1.0000 0.0000 0.0000 1.0000 0.0000 0.0000 0.3333 0.3333\nFORMAT=32-bit_rle_xyze\n\n"),
+        ("-otv", "FORMAT=ascii\n\n"),
+    ] {
+        let found = records(GLOW, args, "");
+        let text = String::from_utf8_lossy(&found);
+        let first = format!("#?RADIANCE\nrtrace-rs {args} --fresnel-offset 0.00202943064 scene.rad\nSOFTWARE= inverad ");
+        assert!(text.starts_with(&first), "{text}");
+        assert!(text.split_once(char::is_whitespace).is_some() && text.ends_with(wanted), "{args}: {text}");
+    }
+}
+
+#[test]
+fn what_rays_cannot_be_is_said_in_one_line() {
+    let directory = tempfile::tempdir().unwrap();
+    std::fs::write(directory.path().join("s.rad"), GLOW).unwrap();
+    for (args, input, wanted) in [
+        (&["-h", "s.rad"][..], "0 0 0 0 0 1 0 0 x", "rtrace-rs: error: <stdin>: ray 2: `x` is not a number"),
+        (&["-ovq", "s.rad"], "", "rtrace-rs: error: unknown option '-ovq'"),
+        (&["-fca", "s.rad"], "", "rtrace-rs: error: -fca: give the form of the rays"),
+        (&["-ffc", "-oL", "s.rad"], "", "rtrace-rs: error: answers are colours (-f…c) with -ov, -or or -ox alone"),
+        (&["-"], "", "rtrace-rs: error: standard input holds the rays"),
+        (&["-te", "a", "-ti", "b", "-otv", "s.rad"], "", "rtrace-rs: error: -te and -ti exclude each other"),
+    ] {
+        let output = run(directory.path(), args, input.as_bytes());
+        let message = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.code() == Some(2) && message.starts_with(wanted) && message.lines().count() == 1, "{args:?}: {message}");
+    }
+    // What came before the fault is answered.
+    let output = run(directory.path(), &["-h", "s.rad"], b"0 0 0 0 0 1 0 0 x");
+    assert_eq!(String::from_utf8_lossy(&output.stdout), "1.000000e+00\t2.000000e+00\t3.000000e+00\t\n");
+}
+
+#[test]
+fn answers_do_not_depend_on_threads_and_meet_the_error_asked_for() {
+    // A Lambertian plane under a hemisphere of radiance 1: .5 at every ray.
+    let scene = "void glow g 0 0 4 1 1 1 0\ng source sky 0 0 4 0 0 1 180\nvoid plastic p 0 0 5 .5 .5 .5 0 0\np ring r 0 0 8 0 0 0 0 0 1 0 9\n\
+                 p sphere s 0 0 4 0 0 2 .5\n";
+    let rays: String = (0..40).map(|i| format!("{} .1 1 0 0 -1\n", i as f64 * 0.1 - 2.0)).collect();
+    let answer = |more: &str| records(scene, &format!("-h {more}"), &rays);
+    assert_eq!(answer("-n 1"), answer("-n 3"));
+    assert_ne!(answer("--seed 1"), answer("--seed 2"));
+    let numbers = |bytes: Vec<u8>| -> Vec<f64> {
+        String::from_utf8(bytes).unwrap().lines().map(|l| l.split('\t').next().unwrap().parse().unwrap()).collect()
+    };
+    let (rough, fine) = (numbers(answer("--error .02")), numbers(answer("--error .001")));
+    let off = rough.iter().zip(&fine).map(|(a, b)| (a / b - 1.0).powi(2)).sum::<f64>() / rough.len() as f64;
+    assert!(off.sqrt() < 0.02 && rough != fine, "{}", off.sqrt());
+}
+
+#[test]
+fn every_sample_of_a_tree_is_told_if_a_number_is_given() {
+    let scene =
+        "void glow g 0 0 4 1 1 1 0\ng source sky 0 0 4 0 0 1 360\nvoid plastic p 0 0 5 .5 .5 .5 0 0\np ring r 0 0 8 0 0 0 0 0 1 0 9\n";
+    let lines =
+        |more: &str| records(scene, &format!("{EXACT} -ab 1 {more} -ots"), "0 0 1 0 0 -1\n").iter().filter(|&&b| b == b'\n').count();
+    assert!(lines("") >= 2 && lines("--spp 3") >= 3 * 2, "{} {}", lines(""), lines("--spp 3"));
+}
