@@ -62,6 +62,8 @@ pub struct Recovery {
     pub chi2: f64,
     /// How many pixels count.
     pub pixels: usize,
+    /// How far each of them is off, relatively: for comparing one type of material with another.
+    pub losses: Vec<f64>,
 }
 
 impl Effort {

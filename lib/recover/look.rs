@@ -70,7 +70,7 @@ impl Look<'_> {
         let sheet = self.sheet;
         let halves = pictures(basis, &model.coefficients(near));
         let variance = sheet.variance(&halves, &basis.samples);
-        let weights = sheet.by_variance(&halves, &variance);
+        let weights = sheet.by_variance(&halves, &variance, &basis.samples);
         let gram = Gram::new(basis, &sheet.target, &weights, Form::Whole);
         let problem = Problem { gram: &gram, coefficients: &|v| model.coefficients(v), bounds: self.bounds };
         // The bottom of the whole χ², which is safe to find though its place is biased by the noise of the rendering.
@@ -78,7 +78,7 @@ impl Look<'_> {
         let scores = |values: &[f64]| {
             let halves = pictures(basis, &model.coefficients(values));
             let derivatives = problem.jacobian(values).iter().map(|j| pictures(basis, j)).collect();
-            Scores::new(sheet, &weights, halves, derivatives)
+            Scores::new(sheet, &weights, halves, derivatives, self.bounds)
         };
         // From there to where the scores vanish, which has no such bias.
         let mut now = scores(&values);
@@ -100,6 +100,7 @@ impl Look<'_> {
         }
         let next = shares(&now, &weights, &variance);
         let (covariance, own) = now.covariances();
-        (Recovery { values, covariance, own, chi2: now.chi2(), pixels: sheet.numbers.len() }, next)
+        let losses = now.losses(&sheet.relative());
+        (Recovery { values, covariance, own, chi2: now.chi2(), pixels: sheet.numbers.len(), losses }, next)
     }
 }

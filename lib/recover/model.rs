@@ -13,25 +13,30 @@ pub struct Kind {
     pub anisotropic: bool,
 }
 
-/// The coefficients of red's, green's and blue's columns for the real arguments `a`, in a basis with nodes at the roughnesses `grid` (rising;
-/// anisotropic nodes are their square grid, u slowest).
-pub fn coefficients(kind: Kind, monomials: &Monomials, grid: &[f64], a: &[f64]) -> [Vec<f64>; 3] {
+/// The coefficients of the four parts for the real arguments `a`, each for red, green and blue (semantics 3.3: the partition of what is not
+/// absorbed).
+pub fn parts(kind: Kind, a: &[f64]) -> [[f64; 3]; 4] {
     let at = if kind.anisotropic { 6 } else { 5 };
     let (specular, transmission, through) = match kind.transmits {
         true => (a[3], a[at] * (1.0 - a[3]), a[at + 1]),
         false => (a[3], 0.0, 0.0),
     };
-    let nodes = nodes(kind, grid, &a[4..at]);
+    let colored = |share: f64| [a[0] * share, a[1] * share, a[2] * share];
+    [
+        colored(1.0 - specular - transmission),
+        colored(transmission * (1.0 - through)),
+        if kind.metal { colored(specular) } else { [specular; 3] },
+        colored(transmission * through),
+    ]
+}
+
+/// The coefficients of red's, green's and blue's columns for the real arguments `a`, in a basis with nodes at the roughnesses `grid` (rising;
+/// anisotropic nodes are their square grid, u slowest).
+pub fn coefficients(kind: Kind, monomials: &Monomials, grid: &[f64], a: &[f64]) -> [Vec<f64>; 3] {
+    let parts = parts(kind, a);
+    let nodes = nodes(kind, grid, &a[4..if kind.anisotropic { 6 } else { 5 }]);
     std::array::from_fn(|c| {
-        let color = a[c];
-        // Semantics 3.3: the partition of what is not absorbed.
-        let parts = [
-            color * (1.0 - specular - transmission),
-            color * transmission * (1.0 - through),
-            if kind.metal { color * specular } else { specular },
-            color * transmission * through,
-        ];
-        let product = |m: usize| monomials.exponents[m].iter().zip(parts).map(|(&e, p)| p.powi(e as i32)).product::<f64>();
+        let product = |m: usize| monomials.exponents[m].iter().zip(parts).map(|(&e, p)| p[c].powi(e as i32)).product::<f64>();
         monomials.column().map(|(m, node)| product(m) * node.map_or(1.0, |n| nodes[n])).collect()
     })
 }

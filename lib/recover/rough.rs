@@ -3,10 +3,11 @@
 use super::fit::{Point, Problem};
 use super::gram::{Form, Gram};
 use super::look::{Look, Model};
-use super::model::{Kind, alphas, coefficients};
+use super::model::{Kind, alphas, coefficients, parts};
 use super::statistics::Sheet;
 use super::{Effort, Evidence, Recovery, Seeds};
 use crate::anneal::{Annealer, Options};
+use crate::color::Rgb;
 use crate::error::Result;
 use crate::scene::MaterialId;
 use crate::transport::{self, Basis, Pixels, Rough};
@@ -148,6 +149,7 @@ impl Stage<'_> {
         let color = (a[0] + a[1] + a[2]) / 3.0;
         let (diffuse, specular) = (color * (1.0 - a[3]), if self.kind.metal { color * a[3] } else { a[3] });
         let worth = (2.0 * diffuse / specular.max(1e-3)).clamp(0.125, 1.0);
+        rough.guess = Some(parts(self.kind, &a).map(Rgb::from));
         rough.rates = [worth, 1.0, if a[4] < 0.05 { worth } else { 1.0 }];
     }
 }

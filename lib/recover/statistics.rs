@@ -3,6 +3,7 @@
 use super::Evidence;
 use crate::anneal::linear::Symmetric;
 use crate::transport::Basis;
+use rayon::prelude::*;
 
 /// Three numbers for each pixel that counts.
 pub type Channels = Vec<[f32; 3]>;
@@ -89,25 +90,45 @@ impl<'a> Sheet<'a> {
     }
 
     /// Weights that go by the variance of a sample.
-    pub fn by_variance(&self, halves: &[Vec<[f64; 3]>], variance: &[[f64; 3]]) -> Channels {
+    pub fn by_variance(&self, halves: &[Vec<[f64; 3]>], variance: &[[f64; 3]], samples: &[u32]) -> Channels {
         let mean: Vec<[f64; 3]> = halves[0].iter().zip(&halves[1]).map(|(a, b)| std::array::from_fn(|c| 0.5 * (a[c] + b[c]))).collect();
         let mean = self.blurred(&mean, 2);
         let floor = (0.01 * self.level).powi(2);
-        (0..self.numbers.len())
-            .map(|i| self.masked(i, std::array::from_fn(|c| 1.0 / (variance[i][c] / TARGET_SAMPLES + (0.02 * mean[i][c]).powi(2) + floor))))
-            .collect()
+        let photographed = self.samples(halves, variance);
+        let weight = |i: usize| {
+            let share = 1.0 / photographed + 0.5 / samples[i].max(1) as f64;
+            self.masked(i, std::array::from_fn(|c| 1.0 / (variance[i][c] * share + (MISFIT * mean[i][c]).powi(2) + floor)))
+        };
+        (0..self.numbers.len()).map(weight).collect()
+    }
+
+    /// How many samples a pixel of the target seems to hold, from what is left of it: what a photograph lacks in noise it has in misfit.
+    fn samples(&self, halves: &[Vec<[f64; 3]>], variance: &[[f64; 3]]) -> f64 {
+        let weights = self.relative();
+        let (mut noise, mut rest) = (0.0, 0.0);
+        for (i, w) in weights.iter().enumerate() {
+            for c in 0..3 {
+                let t = self.target[i][c] as f64;
+                noise += w[c] as f64 * variance[i][c];
+                rest += w[c] as f64 * (t - halves[0][i][c]) * (t - halves[1][i][c]);
+            }
+        }
+        (noise / rest.max(f64::MIN_POSITIVE)).clamp(TARGET_SAMPLES.0, TARGET_SAMPLES.1)
     }
 }
 
-/// How many samples a pixel of the target is taken to hold: what a photograph lacks in noise it has in misfit.
-const TARGET_SAMPLES: f64 = 12.0;
+/// Between how many samples a pixel of the target is taken to hold.
+const TARGET_SAMPLES: (f64, f64) = (4.0, 1000.0);
+/// And the relative misfit of a perfect photograph.
+const MISFIT: f64 = 0.01;
 
 /// The picture that each set of a basis makes of the coefficients `x`.
 pub fn pictures(basis: &Basis, x: &[Vec<f64>; 3]) -> Vec<Vec<[f64; 3]>> {
     let n = basis.columns;
     let pixels = basis.values.len() / (basis.sets * 3 * n);
     let value = |columns: &[f32], c: usize| x[c].iter().zip(&columns[c * n..]).map(|(x, v)| x * *v as f64).sum::<f64>();
-    (0..basis.sets).map(|set| (0..pixels).map(|p| std::array::from_fn(|c| value(basis.pixel(p, set), c))).collect()).collect()
+    let picture = |set| (0..pixels).into_par_iter().map(|p| std::array::from_fn(|c| value(basis.pixel(p, set), c))).collect();
+    (0..basis.sets).map(picture).collect()
 }
 
 /// What the pixels say about the values: the products of residuals and derivatives of independent halves, which have no bias from the noise
@@ -126,17 +147,26 @@ pub struct Scores<'a> {
     trust: Vec<Vec<f64>>,
     /// The inverse of the matrix that takes values to scores; `None` if the pixels do not determine the values.
     inverse: Option<Vec<Vec<f64>>>,
+    /// What is known before of each parameter: one over the variance of a value anywhere between its bounds.
+    prior: Vec<f64>,
     /// Standard errors.
     errors: Vec<f64>,
 }
 
 impl<'a> Scores<'a> {
-    /// The scores where `halves` are the pictures and `derivatives` their derivatives.
-    pub fn new(sheet: &'a Sheet<'a>, weights: &'a Channels, halves: Vec<Vec<[f64; 3]>>, derivatives: Vec<Vec<Vec<[f64; 3]>>>) -> Self {
+    /// The scores where `halves` are the pictures and `derivatives` their derivatives by parameters with these bounds.
+    pub fn new(
+        sheet: &'a Sheet<'a>,
+        weights: &'a Channels,
+        halves: Vec<Vec<[f64; 3]>>,
+        derivatives: Vec<Vec<Vec<[f64; 3]>>>,
+        bounds: &[(f64, f64)],
+    ) -> Self {
         let trust = derivatives.iter().map(|d| trust(sheet, weights, d)).collect();
-        let mut scores = Self { sheet, weights, halves, derivatives, trust, inverse: None, errors: vec![] };
+        let prior = bounds.iter().map(|(low, high)| 12.0 / (high - low).powi(2).max(f64::MIN_POSITIVE)).collect();
+        let mut scores = Self { sheet, weights, halves, derivatives, trust, inverse: None, prior, errors: vec![] };
         let n = scores.derivatives.len();
-        let matrix = (0..n).map(|i| (0..n).map(|j| scores.slope(i, j)).collect()).collect();
+        let matrix = (0..n).map(|i| (0..n).map(|j| scores.slope(i, j) + if i == j { scores.prior[i] } else { 0.0 }).collect()).collect();
         scores.inverse = invert(matrix);
         scores.errors = (0..n).map(|i| scores.covariances().0.at(i, i).sqrt()).collect();
         scores
@@ -179,6 +209,12 @@ impl<'a> Scores<'a> {
         (0..self.weights.len()).map(|p| (0..3).map(|c| cross(p, c)).sum::<f64>()).sum()
     }
 
+    /// How far each pixel is off, with fixed weights, without what the noise of the rendering adds to it.
+    pub fn losses(&self, weights: &Channels) -> Vec<f64> {
+        let cross = |p: usize, c: usize| weights[p][c] as f64 * self.residual(p, c, 0) * self.residual(p, c, 1);
+        (0..weights.len()).map(|p| (0..3).map(|c| cross(p, c)).sum()).collect()
+    }
+
     /// Covariances of the values: by all that makes the residuals, and by the noise of the rendering alone.
     ///
     /// The sandwich form (White 1980), the scores summed per pixel over the channels, whose errors go together.
@@ -197,6 +233,11 @@ impl<'a> Scores<'a> {
                 }
             }
         };
+        // What the pixels leave open, the bounds still tell.
+        for i in 0..n {
+            let known: Vec<f64> = (0..n).map(|j| if i == j { self.prior[i].sqrt() } else { 0.0 }).collect();
+            add(&mut all, &known);
+        }
         for p in 0..self.weights.len() {
             add(&mut all, &(0..n).map(|i| self.score(i, p)).collect::<Vec<_>>());
             for half in 0..2 {

@@ -103,6 +103,8 @@ pub struct Rough {
     proposals: Vec<Alpha>,
     /// The products of coefficients.
     pub monomials: Monomials,
+    /// What the coefficients of the four parts may be taken for where a path meets the unknown more often than [`ORDER`]; without, it ends.
+    pub guess: Option<[Rgb; 4]>,
     /// How many samples the first hit gets: of its diffuse parts, of each proposal, of the environment.
     pub rates: [f64; 3],
     /// The nodes in lanes: inverses of the two squared roughnesses, and of the root of their product. Lanes without a node are 0.
@@ -125,7 +127,17 @@ impl Rough {
         };
         let (in_lanes, drawn) = (lanes(&nodes), lanes(&proposals));
         let monomials = Monomials::new(transmits, nodes.len());
-        Self { material, metal, transmits, nodes, proposals, monomials, rates: [1.0; 3], lanes: in_lanes, drawn }
+        Self { material, metal, transmits, nodes, proposals, monomials, guess: None, rates: [1.0; 3], lanes: in_lanes, drawn }
+    }
+}
+
+impl Rough {
+    /// The product after one more part, and what else is to be multiplied with.
+    fn meet(&self, monomial: u8, part: Part) -> Option<(u8, Rgb)> {
+        match self.monomials.times(monomial, part) {
+            Some(next) => Some((next, Rgb::ONE)),
+            None => self.guess.map(|guess| (monomial, guess[part as usize])),
+        }
     }
 }
 
@@ -200,8 +212,8 @@ impl<const L: usize> Tagging<'_, L> {
     /// The first term of a throughput, after meeting a part of the unknown that makes `lobes` of it at each group of nodes.
     fn met(&self, beta: &Beta<L>, surface: &Surface, part: Part, lobes: impl Fn(usize) -> f32x8) -> Option<Term<L>> {
         let (Surface::Unknown { pattern, unknown, .. }, Some(term)) = (surface, beta.terms[0]) else { return None };
-        let monomial = unknown.monomials.times(term.monomial, part)?;
-        let known = if part == Part::SpecularReflection && !unknown.metal { term.known } else { term.known * *pattern };
+        let (monomial, guess) = unknown.meet(term.monomial, part)?;
+        let known = guess * if part == Part::SpecularReflection && !unknown.metal { term.known } else { term.known * *pattern };
         Some(Term { monomial, known, lobes: std::array::from_fn(|l| term.lobes[l] * lobes(l)) })
     }
 
@@ -290,11 +302,8 @@ impl<'a, const L: usize> Transport for Tagging<'a, L> {
                 let mut beta = beta.clone();
                 for slot in &mut beta.terms {
                     *slot = slot.and_then(|t| {
-                        unknown.monomials.times(t.monomial, Part::ALL[side]).map(|monomial| Term {
-                            monomial,
-                            known: t.known * *pattern,
-                            ..t
-                        })
+                        let (monomial, guess) = unknown.meet(t.monomial, Part::ALL[side])?;
+                        Some(Term { monomial, known: t.known * *pattern * guess, ..t })
                     });
                 }
                 beta
