@@ -7,6 +7,7 @@
 use crate::error::{Error, Result};
 use clap::{ArgAction, CommandFactory, Parser};
 use spelling::{Rewritten, is_radiance, is_switch, rewrite};
+use std::any::TypeId;
 use std::ffi::OsString;
 use std::path::PathBuf;
 
@@ -120,6 +121,8 @@ fn command<A: CommandFactory>() -> clap::Command {
     }
     let version = clap::Arg::new("version").long("version").action(ArgAction::Version).help("Print version").help_heading("Common options");
     command = command.arg(help).arg(version).mut_args(|argument| {
+        let number = argument.get_action().takes_values() && argument.get_value_parser().type_id() == TypeId::of::<f64>();
+        let argument = if number { argument.value_parser(finite) } else { argument };
         if argument.is_positional() || !argument.get_action().takes_values() {
             argument
         } else if is_switch(&argument) {
@@ -132,6 +135,11 @@ fn command<A: CommandFactory>() -> clap::Command {
     });
     command.build();
     command
+}
+
+/// A number that is one.
+fn finite(word: &str) -> std::result::Result<f64, String> {
+    word.parse().ok().filter(|x: &f64| x.is_finite()).ok_or_else(|| "not a finite number".into())
 }
 
 /// A usage error as one line: what is wrong, what was perhaps meant, where to find more.

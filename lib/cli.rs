@@ -4,7 +4,7 @@
 //! answers yes or no, or stops: with an error, or because nobody reads its output any more.
 
 pub use disk::Disk;
-pub use scene::{flat, view};
+pub use scene::{documents, flat, list, view};
 pub use signal::interrupted;
 pub use stream::{Input, Output};
 
@@ -17,6 +17,7 @@ use std::time::{Duration, Instant};
 
 pub mod exec;
 pub mod film;
+pub mod photo;
 pub mod rays;
 pub mod search;
 

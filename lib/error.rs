@@ -94,11 +94,13 @@ impl From<String> for Error {
 impl std::error::Error for Error {}
 
 impl fmt::Display for Error {
-    /// `file:line:column: error: message`, then the line and a caret under the place; control characters are escaped.
+    /// `file:line:column: error: message`, then the line and a caret under the place; control characters are escaped, what is very long
+    /// is cut.
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        let Some(place) = &self.place else { return write!(f, "error: {}", printable(&self.message)) };
+        let message = shortened(&printable(&self.message));
+        let Some(place) = &self.place else { return write!(f, "error: {message}") };
         let (line, column) = place.line_column();
-        write!(f, "{}:{line}:{column}: error: {}", printable(&place.source.name), printable(&self.message))?;
+        write!(f, "{}:{line}:{column}: error: {message}", shortened(&printable(&place.source.name)))?;
         let Some(text) = place.source.text.get(place.source.lines()[line - 1]..).and_then(|rest| rest.lines().next()) else {
             return Ok(());
         };
@@ -110,6 +112,19 @@ impl fmt::Display for Error {
         let caret = "^".repeat(width.clamp(1, 60));
         write!(f, "\n  {}\n  {}{caret}", printable(&shown), " ".repeat(column - 1 - skip))
     }
+}
+
+/// The most characters of a message, or of a name, that are shown.
+const SHOWN: usize = 480;
+
+/// The text, or its beginning and its end: words of the input may be of any length.
+fn shortened(text: &str) -> String {
+    let count = text.chars().count();
+    if count <= SHOWN {
+        return text.into();
+    }
+    let (begin, end) = (SHOWN * 3 / 4, SHOWN / 4 - 1);
+    text.chars().take(begin).chain(['…']).chain(text.chars().skip(count - end)).collect()
 }
 
 /// The text with control characters made visible, so that a hostile name cannot drive the terminal.
@@ -137,5 +152,12 @@ mod tests {
         let at = source.text.find("x.1").unwrap();
         let error = Span::new(&source, at, at + 3).error("not a number");
         assert_eq!(error.to_string(), "room.rad:4:6: error: not a number\n  5 .7 x.1 .1 0 0\n       ^^^");
+    }
+
+    #[test]
+    fn what_is_very_long_is_cut() {
+        assert_eq!(shortened(&"x".repeat(SHOWN)).chars().count(), SHOWN);
+        let cut = shortened(&format!("a{}ö", "x".repeat(100_000)));
+        assert!(cut.starts_with("axx") && cut.ends_with("xö") && cut.contains('…') && cut.chars().count() == SHOWN, "{cut}");
     }
 }

@@ -23,12 +23,12 @@ const DEPTH_LIMIT: usize = 64;
 /// Most commands that one scene may run.
 const COMMAND_LIMIT: usize = 1_000_000;
 /// Most primitives that commands may make, copies at every level of nesting counted.
-const PRIMITIVE_LIMIT: usize = 32_000_000;
+const PRIMITIVE_LIMIT: usize = 4_000_000;
 /// After so many errors no more are looked for.
 const ERROR_LIMIT: usize = 1000;
 
 /// A description without commands.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Flat {
     /// The primitives, in the order of the files. Names are not resolved.
     pub primitives: Vec<Primitive>,
@@ -70,11 +70,15 @@ fn expand_with(documents: Vec<Document>, resolve: &dyn Resolve, patience: usize)
         warnings: Vec::new(),
         commands: 0,
         made: 0,
+        copies: 1,
         within: Vec::new(),
         files: HashMap::new(),
     };
     let mut flat = Flat::default();
     for document in documents {
+        if document.source.text.trim().is_empty() {
+            expander.warnings.push(format!("{}: empty file", document.source.name));
+        }
         expander.within.push(plain_path(&document.source.name));
         let items = match expander.flatten(items(document), "") {
             Ok(items) => items,
@@ -161,6 +165,8 @@ struct Expander<'a> {
     warnings: Vec<String>,
     commands: usize,
     made: usize,
+    /// How many copies the `xform` commands around this place make of each primitive.
+    copies: usize,
     /// The files that are being read, outermost first.
     within: Vec<String>,
     /// Files that `xform` has read, their commands carried out.
@@ -177,13 +183,14 @@ impl Expander<'_> {
         for item in items {
             match item {
                 Item::Command(command) => {
-                    let depth = self.within.len();
+                    let (depth, copies) = (self.within.len(), self.copies);
                     match self.run(&command, folder) {
                         Ok(mut items) => flat.append(&mut items),
                         Err(error) if self.errors.len() + 1 < self.patience => self.errors.push(error),
                         Err(error) => return Err(error),
                     }
                     self.within.truncate(depth);
+                    self.copies = copies;
                 }
                 item => flat.push(item),
             }
@@ -292,6 +299,8 @@ impl Expander<'_> {
     fn xform(&mut self, arguments: &[String], input: Vec<Item>, folder: &str, out: &mut Vec<Item>) -> Step<()> {
         let argument_file = |name: &str| self.resolve.scene(&joined(folder, name)).map(decode);
         let xform = Xform::parse(arguments, argument_file).map_err(Stop::Failed)?;
+        let around = self.copies;
+        self.copies = around.saturating_mul(xform.copies.len());
         // Read all files before the first copy; a missing one ends each copy where it stands.
         let (mut inputs, mut missing) = (Vec::new(), None);
         if xform.files.is_empty() {
@@ -309,7 +318,9 @@ impl Expander<'_> {
         }
         let size: usize = inputs.iter().map(|items| items.len()).sum();
         self.made = self.made.saturating_add(size.saturating_mul(xform.copies.len()));
-        if self.made > PRIMITIVE_LIMIT {
+        // What would become too many is refused before the first copy.
+        let copies = std::mem::replace(&mut self.copies, around);
+        if self.made.max(size.saturating_mul(copies)) > PRIMITIVE_LIMIT {
             return Err(fatal(Error::new(format!("commands make more than {PRIMITIVE_LIMIT} primitives; make smaller arrays"))));
         }
         out.reserve(size * xform.copies.len());

@@ -10,7 +10,7 @@ pub mod exr;
 pub mod hdr;
 pub mod png;
 
-/// The most pixels that are read, 2^28; checked before memory is taken.
+/// The most pixels of a picture, 2^28; checked before memory is taken.
 pub const MAX_PIXELS: usize = 1 << 28;
 
 /// The name of this program in the headers of its pictures.
@@ -210,7 +210,7 @@ pub(crate) fn pixel_count(width: usize, height: usize) -> Result<usize> {
     match width.checked_mul(height) {
         Some(0) => Err(Error::new(format!("a picture of {width} × {height} pixels has none"))),
         Some(count) if count <= MAX_PIXELS => Ok(count),
-        _ => Err(Error::new(format!("{width} × {height} pixels are more than 2^28, the most that is read"))),
+        _ => Err(Error::new(format!("{width} × {height} pixels are more than 2^28, the most of a picture"))),
     }
 }
 

@@ -3,8 +3,10 @@
 //! Simulated annealing over the transport basis finds the valley, coarse first and fine last; least squares find its bottom; the residuals of
 //! the pixels tell how far it can be trusted (Sun and Wu 2002, section 5; the basis makes a χ² cost microseconds).
 
+mod clear;
 pub mod fit;
 pub mod gram;
+mod look;
 pub mod model;
 mod rough;
 mod statistics;
@@ -15,11 +17,12 @@ use crate::geometry::Ray;
 use crate::picture::Picture;
 use crate::render::Film;
 use crate::rules::Rules;
+use crate::sampling::mix64;
 use crate::scene::MaterialId;
 use crate::unknown::Unknown;
 use crate::world::World;
 use rayon::prelude::*;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// What is known: the scene, the view, the picture.
 pub struct Evidence<'a> {
@@ -40,15 +43,10 @@ pub struct Evidence<'a> {
 pub struct Effort {
     /// Fixes every random choice.
     pub seed: u64,
-    /// When to end, if the answer is not as good as the picture allows before.
-    pub until: Instant,
-}
-
-impl Effort {
-    /// As much as fits into a time.
-    pub fn of(seed: u64, time: Duration) -> Self {
-        Self { seed, until: Instant::now() + time }
-    }
+    /// When to end, if not when the noise of the rendering hardly matters any more.
+    pub until: Option<Instant>,
+    /// The standard error that every value is to have, if not what the picture allows.
+    pub tolerance: Option<f64>,
 }
 
 /// What was found.
@@ -66,45 +64,87 @@ pub struct Recovery {
     pub pixels: usize,
 }
 
-impl Recovery {
-    /// Whether the noise of the rendering hardly matters any more.
-    fn settled(&self) -> bool {
-        (0..self.values.len()).all(|i| self.own.at(i, i) <= 0.15 * self.covariance.at(i, i))
+impl Effort {
+    /// Whether the time is over.
+    fn late(&self) -> bool {
+        self.until.is_some_and(|until| Instant::now() >= until)
     }
 
+    /// Whether a recovery is as good as is wished for, or as the picture allows; `before` is what fewer samples gave.
+    fn contents(&self, found: &Recovery, before: Option<&Recovery>) -> bool {
+        let errors = found.errors();
+        let near = |i: usize| errors[i] <= self.tolerance.unwrap_or((NEAR * found.values[i].abs()).clamp(NEAREST.0, NEAREST.1));
+        let settled = |i: usize| {
+            found.own.at(i, i) <= OWN * found.covariance.at(i, i)
+                && before.is_some_and(|before| found.covariance.at(i, i) >= GAIN * before.covariance.at(i, i))
+        };
+        self.late() || (0..errors.len()).all(near) || self.tolerance.is_none() && (0..errors.len()).all(|i| near(i) || settled(i))
+    }
+}
+
+/// A standard error that satisfies when nothing is said: this part of the value, between two limits.
+const NEAR: f64 = 0.012;
+const NEAREST: (f64, f64) = (0.0001, 0.001);
+
+/// Or what the picture allows: the part of a variance that the rendering may make.
+const OWN: f64 = 0.15;
+/// And the part of a variance that twice the samples must leave over.
+const GAIN: f64 = 0.8;
+
+/// A seed for every tracing.
+struct Seeds {
+    state: u64,
+    used: usize,
+}
+
+impl Seeds {
+    fn new(seed: u64) -> Self {
+        Self { state: seed, used: 0 }
+    }
+
+    fn next(&mut self) -> u64 {
+        self.used += 1;
+        self.state = mix64(self.state.wrapping_add(0x9e37_79b9_7f4a_7c15));
+        self.state
+    }
+}
+
+impl Recovery {
     /// The standard error of each value.
     pub fn errors(&self) -> Vec<f64> {
         (0..self.values.len()).map(|i| self.covariance.at(i, i).max(0.0).sqrt()).collect()
     }
 }
 
+impl Evidence<'_> {
+    /// The pixels that show the unknown, and count; errors if there is none.
+    pub fn pixels(&self, unknown: &Unknown, material: MaterialId) -> Result<Vec<usize>> {
+        let lens = self.film.lens();
+        let shown = |n: &usize| {
+            self.mask.is_none_or(|mask| mask[*n] > 0.0)
+                && (0..16).any(|k| {
+                    let at = [(k % 4) as f64 / 4.0 + 0.125, (k / 4) as f64 / 4.0 + 0.125];
+                    lens(*n, at).is_some_and(|(origin, direction, _)| self.world.shows(&Ray { origin, direction }, material))
+                })
+        };
+        let pixels: Vec<usize> = (0..self.film.width * self.film.height).into_par_iter().filter(shown).collect();
+        if pixels.is_empty() {
+            return Err(Error::new(format!("no pixel of the picture shows `{}`: check the view and the mask", unknown.material().name)));
+        }
+        Ok(pixels)
+    }
+}
+
 /// Recovers an unknown material of the scene. `tell` hears how far it is.
 pub fn recover(evidence: &Evidence, unknown: &Unknown, material: MaterialId, effort: Effort, tell: &dyn Fn(&str)) -> Result<Recovery> {
-    let pixels = covered(evidence, material);
-    if pixels.is_empty() {
-        return Err(Error::new(format!("no pixel of the picture shows `{}`: check the view and the mask", unknown.material().name)));
-    }
+    let pixels = evidence.pixels(unknown, material)?;
     match unknown.material().kind.as_str() {
         "plastic" | "metal" | "trans" | "plastic2" | "metal2" | "trans2" => {
             rough::recover(evidence, unknown, material, &pixels, effort, tell)
         }
-        kind => {
-            Err(unknown.material().error(format!("the numbers of {kind} cannot be recovered; use plastic, metal, trans or dielectric")))
-        }
+        "dielectric" | "glass" => clear::recover(evidence, unknown, material, &pixels, effort, tell),
+        kind => Err(unknown
+            .material()
+            .error(format!("the numbers of {kind} cannot be recovered; use plastic, metal, trans, dielectric or glass"))),
     }
-}
-
-/// The pixels that show the material, and count.
-fn covered(evidence: &Evidence, material: MaterialId) -> Vec<usize> {
-    let lens = evidence.film.lens();
-    (0..evidence.film.width * evidence.film.height)
-        .into_par_iter()
-        .filter(|&n| {
-            evidence.mask.is_none_or(|mask| mask[n] > 0.0)
-                && (0..16).any(|k| {
-                    let at = [(k % 4) as f64 / 4.0 + 0.125, (k / 4) as f64 / 4.0 + 0.125];
-                    lens(n, at).is_some_and(|(origin, direction, _)| evidence.world.shows(&Ray { origin, direction }, material))
-                })
-        })
-        .collect()
 }

@@ -11,6 +11,7 @@ use crate::color::{Rgb, bright};
 use crate::error::{Error, Result};
 use crate::geometry::Ray;
 use crate::integrator::{Integrator, Outcome, Radiance};
+use crate::picture::{pixel_count, reserve};
 use crate::rules::Rules;
 use crate::sampling::{Sampler, disk};
 use crate::vector::Vec3;
@@ -52,13 +53,15 @@ pub struct Film {
 }
 
 impl Film {
-    /// The largest picture of a view that fits into `x` × `y` pixels of the aspect `pa` (height over width; 0: any).
+    /// The largest picture of a view that fits into `x` × `y` pixels of the aspect `pa` (height over width; 0: any). Errors if it has
+    /// more pixels than any picture, or than there is memory for.
     pub fn new(view: &View, x: usize, y: usize, pa: f64) -> Result<Self> {
         if x == 0 || y == 0 {
             return Err(Error::new("a picture needs at least one pixel: -x and -y must be above 0"));
         }
         let camera = view.ready()?;
         let (width, height) = camera.resolution(x, y, pa);
+        reserve(&mut Vec::<Pixel>::new(), pixel_count(width, height)?)?;
         Ok(Self { camera, width, height })
     }
 
@@ -101,7 +104,7 @@ pub struct Rendering {
 }
 
 /// The most samples of a pixel that has an error of its own to reach.
-const MOST: u32 = 1 << 22;
+const MOST: u32 = 1 << 20;
 
 /// The fewest such samples of a pixel that is left to chance: fewer may all miss what matters.
 const FEWEST: u32 = 4 * GROUPS as u32;

@@ -6,6 +6,8 @@
 
 mod clear;
 mod rough;
+#[cfg(test)]
+mod tests;
 
 pub use clear::Clear;
 pub use rough::{Alpha, Monomials, ORDER, Rough};
@@ -61,6 +63,14 @@ impl Basis {
     pub fn pixel(&self, pixel: usize, set: usize) -> &[f32] {
         let width = 3 * self.columns;
         &self.values[(pixel * self.sets + set) * width..][..width]
+    }
+
+    /// Bases of the same pixels and samples with their columns side by side, in each channel the first basis' first.
+    pub fn beside(parts: &[Self]) -> Self {
+        let (sets, columns) = (parts[0].sets, parts.iter().map(|p| p.columns).sum());
+        let rows = parts[0].values.len() / parts[0].columns;
+        let row = |row: usize| parts.iter().flat_map(move |p| &p.values[row * p.columns..(row + 1) * p.columns]);
+        Self { sets, columns, samples: parts[0].samples.clone(), values: (0..rows).flat_map(row).copied().collect() }
     }
 
     /// Takes in further samples of the same pixels, traced with another seed.

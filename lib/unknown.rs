@@ -145,6 +145,11 @@ impl Unknown {
         &self.groups
     }
 
+    /// The file as it was read.
+    pub fn source(&self) -> &Document {
+        &self.document
+    }
+
     /// The material as it was read.
     pub fn material(&self) -> &Primitive {
         &self.material

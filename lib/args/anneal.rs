@@ -1,6 +1,7 @@
 //! The options of anneal.
 
-use super::Common;
+use super::rtrace::Light;
+use super::{Common, Scenes, ViewWords};
 use crate::anneal::Options;
 use crate::error::{Error, Result};
 use crate::unknown::{Bounds, Wishes, names};
@@ -17,7 +18,7 @@ use std::path::PathBuf;
     name = "anneal",
     version,
     max_term_width = 100,
-    override_usage = "anneal [OPTIONS] --exec COMMAND START.rad\n       anneal [OPTIONS] propose STATE [START.rad] > next.rad\n       \
+    override_usage = "anneal [OPTIONS] --scene SCENE -vf VIEW --target PICTURE START.rad\n       anneal [OPTIONS] --exec COMMAND START.rad\n       anneal [OPTIONS] propose STATE [START.rad] > next.rad\n       \
                       anneal tell STATE [CHI2]\n       anneal best STATE"
 )]
 pub struct Arguments {
@@ -26,6 +27,10 @@ pub struct Arguments {
     /// chi-squared (without CHI2 the last number on standard input), `best STATE` prints the best so far
     #[arg(value_name = "START.rad", required = true, num_args = 1..=3, allow_negative_numbers = true)]
     pub words: Vec<String>,
+
+    /// The picture, and the scene it was taken in.
+    #[command(flatten)]
+    pub photo: Photo,
 
     /// How candidates are judged.
     #[command(flatten)]
@@ -39,9 +44,42 @@ pub struct Arguments {
     #[command(flatten)]
     pub search: SearchOptions,
 
+    /// The light.
+    #[command(flatten)]
+    pub light: Light,
+
+    /// How scenes are read.
+    #[command(flatten)]
+    pub scene_options: Scenes,
+
     /// What all programs share.
     #[command(flatten)]
     pub common: Common,
+}
+
+/// The picture, and what is known of the scene it was taken in.
+#[derive(clap::Args, Clone, Debug)]
+#[command(next_help_heading = "Photograph")]
+pub struct Photo {
+    /// The scene without the unknown material, which START.rad holds; a definition of it here does not count. May be repeated
+    #[arg(long, value_name = "SCENE")]
+    pub scene: Vec<String>,
+
+    /// The view [default: the picture's own].
+    #[command(flatten)]
+    pub view: ViewWords,
+
+    /// What was photographed: a high-dynamic-range picture, in radiance
+    #[arg(long, value_name = "PICTURE", requires = "scene", conflicts_with = "exec")]
+    pub target: Option<String>,
+
+    /// How much each pixel counts, from 0 to 1
+    #[arg(long, value_name = "PICTURE", requires = "target")]
+    pub mask: Option<String>,
+
+    /// Render anew for every candidate, instead of once for all
+    #[arg(long, requires = "target")]
+    pub direct: bool,
 }
 
 /// Who says how good a candidate is.

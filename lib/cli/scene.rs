@@ -11,9 +11,8 @@ use crate::resolve::Resolve;
 use crate::view::View;
 use std::process::{Command, Stdio};
 
-/// The description that scene files and octrees make together. A name that begins with `!` is a command that prints one; it was typed, so
-/// it may run.
-pub fn flat(names: &[String], options: &Scenes, resolve: &dyn Resolve) -> Result<Flat> {
+/// The documents of scene files and octrees. A name that begins with `!` is a command that prints one; it was typed, so it may run.
+pub fn documents(names: &[String], resolve: &dyn Resolve) -> Result<Vec<Document>> {
     let input = Input::default();
     let mut documents = Vec::new();
     for name in names {
@@ -38,6 +37,16 @@ pub fn flat(names: &[String], options: &Scenes, resolve: &dyn Resolve) -> Result
             }
         }
     }
+    Ok(documents)
+}
+
+/// The description that scene files make together.
+pub fn flat(names: &[String], options: &Scenes, resolve: &dyn Resolve) -> Result<Flat> {
+    flat_of(documents(names, resolve)?, options, resolve)
+}
+
+/// The description that documents make together.
+pub fn flat_of(documents: Vec<Document>, options: &Scenes, resolve: &dyn Resolve) -> Result<Flat> {
     if options.commands == Some(Commands::Deny) {
         refuse_commands(&documents)?;
     }
@@ -52,6 +61,11 @@ fn output(command: &str) -> Result<Vec<u8>> {
         true => Ok(output.stdout),
         false => Err(Error::new(format!("command {command}: {}", output.status))),
     }
+}
+
+/// The words of a file that lists modifiers.
+pub fn list(resolve: &dyn Resolve, file: &str) -> Result<Vec<String>> {
+    Ok(String::from_utf8_lossy(&resolve.library(file)?).split_whitespace().map(str::to_string).collect())
 }
 
 /// The view that the words of a command line describe.

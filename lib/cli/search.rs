@@ -66,7 +66,8 @@ impl Search {
         let damaged =
             |why: String| Error::new(format!("{}: not a search that anneal keeps ({why}); remove it to begin anew", path.display()));
         let kept: Kept = serde_json::from_slice(&file(path)?).map_err(|e| damaged(e.to_string()))?;
-        let unknown = Unknown::new(Document::read(&kept.name, crate::rad::encode(&kept.start))?, &kept.wishes)?;
+        let start = Document::read(&kept.name, crate::rad::encode(&kept.start));
+        let unknown = start.and_then(|start| Unknown::new(start, &kept.wishes)).map_err(|e| damaged(e.remark()))?;
         if !kept.annealer.is_consistent() || kept.annealer.parameters() != unknown.parameters() {
             return Err(damaged("its parts contradict each other".into()));
         }

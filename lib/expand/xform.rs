@@ -7,8 +7,8 @@ use crate::rad::{Class, Number, Primitive, real};
 use crate::transform::Transform;
 use crate::vector::Vec3;
 
-/// Most copies that arrays may make of one input.
-const COPY_LIMIT: usize = 1_000_000;
+/// Most words of one command once its arrays are written out, a hundred thousand copies and more.
+const WORD_LIMIT: usize = 1_000_000;
 
 /// What one `xform` command asks for.
 pub struct Xform {
@@ -90,7 +90,7 @@ fn repeat_for_lines(lists: &mut Vec<List>, argument_file: impl Fn(&str) -> Resul
                 let mut copy = words.clone();
                 copy.splice(at..at + 2, line.split_whitespace().map(String::from));
                 longer.push((extended(id, 'i', i), copy));
-                limit(longer.len())?;
+                limit(longer.len(), words.len())?;
             }
         }
         *lists = longer;
@@ -109,7 +109,7 @@ fn repeat_for_counts(lists: &mut Vec<List>) -> Result<()> {
             };
             let count = words.get(at + 1).and_then(|w| w.parse().ok()).filter(|&n: &usize| n > 0);
             let count = count.ok_or_else(|| Error::new("xform: `-a` needs a count, 1 or more"))?;
-            limit(count.saturating_mul(lists.len()))?;
+            limit(count.saturating_mul(lists.len()), words.len())?;
             for i in 0..count {
                 let mut copy = words.clone();
                 copy[at] = "-i".into();
@@ -126,9 +126,9 @@ fn extended(id: &Option<(char, String)>, letter: char, i: usize) -> Option<(char
     Some(id.as_ref().map_or((letter, i.to_string()), |(letter, name)| (*letter, format!("{name}.{i}"))))
 }
 
-fn limit(copies: usize) -> Result<()> {
-    if copies > COPY_LIMIT {
-        return Err(Error::new(format!("xform: more than {COPY_LIMIT} copies; make a smaller array")));
+fn limit(copies: usize, words: usize) -> Result<()> {
+    if copies.saturating_mul(words) > WORD_LIMIT {
+        return Err(Error::new(format!("xform: {copies} copies; make a smaller array, or arrays of arrays in files")));
     }
     Ok(())
 }

@@ -39,6 +39,9 @@ pub fn read(bytes: Vec<u8>, name: &str) -> Result<MeshFile> {
         state.statement(&words)?;
         start = end;
     }
+    if state.triangles.is_empty() {
+        return Err(super::error(name, "no face in it; is it a Wavefront .obj?"));
+    }
     state.finish(name)
 }
 

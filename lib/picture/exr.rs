@@ -130,7 +130,7 @@ impl Planes {
         if samples > 2 * MAX_SAMPLES {
             return Err(Error::new(format!("{name}: more than 2^31 numbers in all planes, the most that is read")));
         }
-        reserve(&mut Vec::<f32>::new(), samples)?;
+        reserve(&mut Vec::<f32>::new(), samples).map_err(|e| Error::new(format!("{name}: {}", e.message)))?;
 
         let reader = exr::prelude::read().no_deep_data().largest_resolution_level().all_channels().all_layers().all_attributes();
         let image = reader.from_buffered(Cursor::new(bytes)).map_err(failed)?;

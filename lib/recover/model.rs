@@ -13,51 +13,39 @@ pub struct Kind {
     pub anisotropic: bool,
 }
 
-/// A rough material's real arguments as coefficients of a basis' columns.
-pub struct Model<'a> {
-    kind: Kind,
-    monomials: &'a Monomials,
-    /// Logarithms of the roughnesses of the nodes along one axis; anisotropic nodes are their square grid, u slowest.
-    grid: Vec<f64>,
+/// The coefficients of red's, green's and blue's columns for the real arguments `a`, in a basis with nodes at the roughnesses `grid` (rising;
+/// anisotropic nodes are their square grid, u slowest).
+pub fn coefficients(kind: Kind, monomials: &Monomials, grid: &[f64], a: &[f64]) -> [Vec<f64>; 3] {
+    let at = if kind.anisotropic { 6 } else { 5 };
+    let (specular, transmission, through) = match kind.transmits {
+        true => (a[3], a[at] * (1.0 - a[3]), a[at + 1]),
+        false => (a[3], 0.0, 0.0),
+    };
+    let nodes = nodes(kind, grid, &a[4..at]);
+    std::array::from_fn(|c| {
+        let color = a[c];
+        // Semantics 3.3: the partition of what is not absorbed.
+        let parts = [
+            color * (1.0 - specular - transmission),
+            color * transmission * (1.0 - through),
+            if kind.metal { color * specular } else { specular },
+            color * transmission * through,
+        ];
+        let product = |m: usize| monomials.exponents[m].iter().zip(parts).map(|(&e, p)| p.powi(e as i32)).product::<f64>();
+        monomials.column().map(|(m, node)| product(m) * node.map_or(1.0, |n| nodes[n])).collect()
+    })
 }
 
-impl<'a> Model<'a> {
-    /// The model of a basis with nodes at the roughnesses `grid` (rising; for an anisotropic kind, on both axes).
-    pub fn new(kind: Kind, monomials: &'a Monomials, grid: &[f64]) -> Self {
-        Self { kind, monomials, grid: grid.iter().map(|a| a.ln()).collect() }
-    }
-
-    /// The coefficients of red's, green's and blue's columns for the real arguments `a`.
-    pub fn coefficients(&self, a: &[f64]) -> [Vec<f64>; 3] {
-        let at = if self.kind.anisotropic { 6 } else { 5 };
-        let (specular, transmission, through) = match self.kind.transmits {
-            true => (a[3], a[at] * (1.0 - a[3]), a[at + 1]),
-            false => (a[3], 0.0, 0.0),
-        };
-        let nodes = self.nodes(&a[4..at]);
-        std::array::from_fn(|c| {
-            let color = a[c];
-            // Semantics 3.3: the partition of what is not absorbed.
-            let parts = [
-                color * (1.0 - specular - transmission),
-                color * transmission * (1.0 - through),
-                if self.kind.metal { color * specular } else { specular },
-                color * transmission * through,
-            ];
-            let product = |m: usize| self.monomials.exponents[m].iter().zip(parts).map(|(&e, p)| p.powi(e as i32)).product::<f64>();
-            self.monomials.column().map(|(m, node)| product(m) * node.map_or(1.0, |n| nodes[n])).collect()
-        })
-    }
-
-    /// The weights of the nodes at a roughness.
-    fn nodes(&self, roughness: &[f64]) -> Vec<f64> {
-        let u = cubic(&self.grid, roughness[0].abs().max(1e-9).ln());
-        match self.kind.anisotropic {
-            false => u,
-            true => {
-                let v = cubic(&self.grid, roughness[1].abs().max(1e-9).ln());
-                u.iter().flat_map(|u| v.iter().map(move |v| u * v)).collect()
-            }
+/// The weights of the nodes at a roughness.
+fn nodes(kind: Kind, grid: &[f64], roughness: &[f64]) -> Vec<f64> {
+    let grid: Vec<f64> = grid.iter().map(|a| a.ln()).collect();
+    let at = |a: f64| cubic(&grid, a.abs().max(1e-9).ln());
+    let u = at(roughness[0]);
+    match kind.anisotropic {
+        false => u,
+        true => {
+            let v = at(roughness[1]);
+            u.iter().flat_map(|u| v.iter().map(move |v| u * v)).collect()
         }
     }
 }
@@ -72,7 +60,7 @@ pub fn alphas(kind: Kind, grid: &[f64]) -> Vec<Alpha> {
 
 /// Weights that interpolate at `x` between nodes at `grid`: Lagrange's cubic through the four nearest, or a parabola through three. Beyond
 /// the ends, the end counts.
-fn cubic(grid: &[f64], x: f64) -> Vec<f64> {
+pub fn cubic(grid: &[f64], x: f64) -> Vec<f64> {
     let n = grid.len();
     let x = x.clamp(grid[0], grid[n - 1]);
     let above = grid.partition_point(|&g| g <= x);

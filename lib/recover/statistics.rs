@@ -30,8 +30,27 @@ impl<'a> Sheet<'a> {
         Self { evidence, numbers, target, places, level }
     }
 
+    /// Column and row of a pixel of the film.
+    pub fn place(&self, number: usize) -> (usize, usize) {
+        (number % self.evidence.film.width, number / self.evidence.film.width)
+    }
+
+    /// How much a pixel counts.
+    pub fn weight(&self, i: usize) -> f64 {
+        self.evidence.mask.map_or(1.0, |mask| mask[self.numbers[i]] as f64)
+    }
+
     /// For each pixel, the mean of `values` over the pixels at most `reach` away that count.
     fn blurred(&self, values: &[[f64; 3]], reach: isize) -> Vec<[f64; 3]> {
+        self.mean(values, reach, true)
+    }
+
+    /// The same without the pixel itself.
+    fn around(&self, values: &[[f64; 3]], reach: isize) -> Vec<[f64; 3]> {
+        self.mean(values, reach, false)
+    }
+
+    fn mean(&self, values: &[[f64; 3]], reach: isize, itself: bool) -> Vec<[f64; 3]> {
         let (width, height) = (self.evidence.film.width as isize, self.evidence.film.height as isize);
         let mean = |&n: &usize| {
             let (x, y) = (n as isize % width, n as isize / width);
@@ -39,19 +58,19 @@ impl<'a> Sheet<'a> {
             for v in (y - reach).max(0)..=(y + reach).min(height - 1) {
                 for u in (x - reach).max(0)..=(x + reach).min(width - 1) {
                     let place = self.places[(v * width + u) as usize];
-                    if place != u32::MAX {
+                    if place != u32::MAX && (itself || (u, v) != (x, y)) {
                         (0..3).for_each(|c| sum[c] += values[place as usize][c]);
                         count += 1.0;
                     }
                 }
             }
-            sum.map(|s| s / count)
+            sum.map(|s| if count > 0.0 { s / count } else { 0.0 })
         };
         self.numbers.iter().map(mean).collect()
     }
 
     fn masked(&self, i: usize, weight: [f64; 3]) -> [f32; 3] {
-        let counts = self.evidence.mask.map_or(1.0, |mask| mask[self.numbers[i]] as f64);
+        let counts = self.weight(i);
         weight.map(|w| (w * counts) as f32)
     }
 
@@ -91,53 +110,163 @@ pub fn pictures(basis: &Basis, x: &[Vec<f64>; 3]) -> Vec<Vec<[f64; 3]>> {
     (0..basis.sets).map(|set| (0..pixels).map(|p| std::array::from_fn(|c| value(basis.pixel(p, set), c))).collect()).collect()
 }
 
+/// What the pixels say about the values: the products of residuals and derivatives of independent halves, which have no bias from the noise
+/// of the rendering.
+///
+/// Where the derivative of a half is mostly noise it says nothing and disturbs much. So what asks is not the derivative but an instrument
+/// (Reiersøl 1945; Hansen 1982): the derivative, shrunk by how far those of the two halves agree around the pixel (Wiener 1949).
+pub struct Scores<'a> {
+    sheet: &'a Sheet<'a>,
+    weights: &'a Channels,
+    /// The picture of each half.
+    halves: Vec<Vec<[f64; 3]>>,
+    /// Its derivative by each parameter, of each half.
+    derivatives: Vec<Vec<Vec<[f64; 3]>>>,
+    /// How far each derivative is to be trusted at each pixel.
+    trust: Vec<Vec<f64>>,
+    /// The inverse of the matrix that takes values to scores; `None` if the pixels do not determine the values.
+    inverse: Option<Vec<Vec<f64>>>,
+    /// Standard errors.
+    errors: Vec<f64>,
+}
+
+impl<'a> Scores<'a> {
+    /// The scores where `halves` are the pictures and `derivatives` their derivatives.
+    pub fn new(sheet: &'a Sheet<'a>, weights: &'a Channels, halves: Vec<Vec<[f64; 3]>>, derivatives: Vec<Vec<Vec<[f64; 3]>>>) -> Self {
+        let trust = derivatives.iter().map(|d| trust(sheet, weights, d)).collect();
+        let mut scores = Self { sheet, weights, halves, derivatives, trust, inverse: None, errors: vec![] };
+        let n = scores.derivatives.len();
+        let matrix = (0..n).map(|i| (0..n).map(|j| scores.slope(i, j)).collect()).collect();
+        scores.inverse = invert(matrix);
+        scores.errors = (0..n).map(|i| scores.covariances().0.at(i, i).sqrt()).collect();
+        scores
+    }
+
+    /// A sum over pixels and channels of weight × instrument `i` of one half × what the other half has there, both ways.
+    fn slope(&self, i: usize, j: usize) -> f64 {
+        let d = &self.derivatives;
+        let cross = |p: usize, c: usize| self.weights[p][c] as f64 * 0.5 * (d[i][0][p][c] * d[j][1][p][c] + d[i][1][p][c] * d[j][0][p][c]);
+        (0..self.weights.len()).map(|p| self.trust[i][p] * (0..3).map(|c| cross(p, c)).sum::<f64>()).sum()
+    }
+
+    fn residual(&self, p: usize, c: usize, half: usize) -> f64 {
+        self.sheet.target[p][c] as f64 - self.halves[half][p][c]
+    }
+
+    /// A pixel's part of the score of parameter `i`.
+    fn score(&self, i: usize, p: usize) -> f64 {
+        let d = &self.derivatives[i];
+        let cross =
+            |c: usize| self.weights[p][c] as f64 * 0.5 * (d[0][p][c] * self.residual(p, c, 1) + d[1][p][c] * self.residual(p, c, 0));
+        self.trust[i][p] * (0..3).map(cross).sum::<f64>()
+    }
+
+    /// The step to where the scores vanish; `None` if there is no saying.
+    pub fn step(&self) -> Option<Vec<f64>> {
+        let inverse = self.inverse.as_ref()?;
+        let scores: Vec<f64> = (0..inverse.len()).map(|i| (0..self.weights.len()).map(|p| self.score(i, p)).sum()).collect();
+        Some(inverse.iter().map(|row| row.iter().zip(&scores).map(|(a, s)| a * s).sum()).collect())
+    }
+
+    /// The largest part of a step, in standard errors.
+    pub fn length(&self, step: &[f64]) -> f64 {
+        step.iter().zip(&self.errors).map(|(s, e)| s.abs() / e.max(1e-12)).fold(0.0, f64::max)
+    }
+
+    /// χ² of equation 11, without what the noise of the rendering adds to it.
+    pub fn chi2(&self) -> f64 {
+        let cross = |p: usize, c: usize| self.residual(p, c, 0) * self.residual(p, c, 1);
+        (0..self.weights.len()).map(|p| (0..3).map(|c| cross(p, c)).sum::<f64>()).sum()
+    }
+
+    /// Covariances of the values: by all that makes the residuals, and by the noise of the rendering alone.
+    ///
+    /// The sandwich form (White 1980), the scores summed per pixel over the channels, whose errors go together.
+    pub fn covariances(&self) -> (Symmetric, Symmetric) {
+        let n = self.derivatives.len();
+        let Some(inverse) = &self.inverse else {
+            let nothing = Symmetric::diagonal(&vec![f64::INFINITY; n]);
+            return (nothing.clone(), nothing);
+        };
+        let (mut all, mut own) = (Symmetric::diagonal(&vec![0.0; n]), Symmetric::diagonal(&vec![0.0; n]));
+        let add = |sum: &mut Symmetric, score: &[f64]| {
+            let moved: Vec<f64> = inverse.iter().map(|row| row.iter().zip(score).map(|(a, s)| a * s).sum()).collect();
+            for i in 0..n {
+                for j in 0..=i {
+                    sum.set(i, j, sum.at(i, j) + moved[i] * moved[j]);
+                }
+            }
+        };
+        for p in 0..self.weights.len() {
+            add(&mut all, &(0..n).map(|i| self.score(i, p)).collect::<Vec<_>>());
+            for half in 0..2 {
+                let noise = |c: usize| (self.halves[0][p][c] - self.halves[1][p][c]) * 0.5 * 0.5f64.sqrt() * self.weights[p][c] as f64;
+                let score = |i: usize| self.trust[i][p] * (0..3).map(|c| noise(c) * self.derivatives[i][half][p][c]).sum::<f64>();
+                add(&mut own, &(0..n).map(score).collect::<Vec<_>>());
+            }
+        }
+        (all, own)
+    }
+}
+
+/// How far the derivatives of two halves agree around each pixel: 0 where they are noise, 1 where they are the same.
+fn trust(sheet: &Sheet, weights: &Channels, derivative: &[Vec<[f64; 3]>]) -> Vec<f64> {
+    let sums = |p: usize| {
+        let (mut common, mut whole) = (0.0, 0.0);
+        for c in 0..3 {
+            let (a, b, w) = (derivative[0][p][c], derivative[1][p][c], weights[p][c] as f64);
+            common += w * a * b;
+            whole += w * 0.25 * (a + b) * (a + b);
+        }
+        [common, whole, 0.0]
+    };
+    let values: Vec<[f64; 3]> = (0..weights.len()).map(sums).collect();
+    let around = sheet.around(&values, 2);
+    around.iter().map(|[common, whole, _]| if *whole > 0.0 { (common / whole).clamp(0.0, 1.0) } else { 0.0 }).collect()
+}
+
+/// The part of the samples that all pixels share evenly: what few samples say of a pixel may be wrong.
+const EVEN: f64 = 0.3;
+
 /// How further samples are best shared among the pixels (Neyman 1934): in proportion to what the error of a sample does to the values, each
-/// measured by its own error. `inverse` is that of Gauss and Newton's matrix; the mean share is 1.
-pub fn shares(inverse: &Symmetric, errors: &[f64], weights: &Channels, variance: &[[f64; 3]], derivatives: &[Vec<[f64; 3]>]) -> Vec<f64> {
-    let n = inverse.size();
+/// measured by its own error. The mean share is 1.
+pub fn shares(scores: &Scores, weights: &Channels, variance: &[[f64; 3]]) -> Vec<f64> {
+    let Some(inverse) = &scores.inverse else { return vec![1.0; weights.len()] };
+    let d = &scores.derivatives;
     let spread = |p: usize| -> f64 {
-        let moved =
-            |i: usize, c: usize| (0..n).map(|j| inverse.at(i, j) * derivatives[j][p][c]).sum::<f64>() * weights[p][c] as f64 / errors[i];
-        (0..3).map(|c| variance[p][c] * (0..n).map(|i| moved(i, c).powi(2)).sum::<f64>()).sum::<f64>().sqrt()
+        let instrument = |j: usize, c: usize| scores.trust[j][p].sqrt() * 0.5 * (d[j][0][p][c] + d[j][1][p][c]);
+        let moved = |i: usize, c: usize| {
+            (0..d.len()).map(|j| inverse[i][j] * instrument(j, c)).sum::<f64>() * weights[p][c] as f64 / scores.errors[i]
+        };
+        (0..3).map(|c| variance[p][c] * (0..d.len()).map(|i| moved(i, c).powi(2)).sum::<f64>()).sum::<f64>().sqrt()
     };
     let spreads: Vec<f64> = (0..weights.len()).map(spread).collect();
     let mean = spreads.iter().sum::<f64>() / spreads.len() as f64;
-    spreads.iter().map(|s| if mean > 0.0 { s / mean } else { 1.0 }).collect()
+    spreads.iter().map(|s| if mean > 0.0 && mean.is_finite() { EVEN + (1.0 - EVEN) * s / mean } else { 1.0 }).collect()
 }
 
-/// Covariances of fitted values: by all that makes the residuals, and by the noise of the rendering alone.
-///
-/// The sandwich form (White 1980): `matrix` is Gauss and Newton's, the scores are summed per pixel over the channels, whose errors go together.
-/// `derivatives` are the pictures' derivatives by each parameter.
-pub fn covariances(
-    matrix: &Symmetric,
-    target: &Channels,
-    weights: &Channels,
-    pictures: &[Vec<[f64; 3]>],
-    derivatives: &[Vec<[f64; 3]>],
-) -> Option<(Symmetric, Symmetric)> {
-    let inverse = matrix.inverse()?;
-    let (n, sets) = (matrix.size(), pictures.len() as f64);
-    let (mut all, mut own) = (Symmetric::diagonal(&vec![0.0; n]), Symmetric::diagonal(&vec![0.0; n]));
-    let add = |sum: &mut Symmetric, score: &[f64], factor: f64| {
-        for i in 0..n {
-            for j in 0..=i {
-                sum.set(i, j, sum.at(i, j) + score[i] * score[j] * factor);
+/// The inverse of a square matrix (Gauss and Jordan, with pivots); `None` if it has none.
+fn invert(mut matrix: Vec<Vec<f64>>) -> Option<Vec<Vec<f64>>> {
+    let n = matrix.len();
+    let mut inverse: Vec<Vec<f64>> = (0..n).map(|i| (0..n).map(|j| (i == j) as u8 as f64).collect()).collect();
+    for column in 0..n {
+        let pivot = (column..n).max_by(|&a, &b| matrix[a][column].abs().total_cmp(&matrix[b][column].abs()))?;
+        matrix.swap(column, pivot);
+        inverse.swap(column, pivot);
+        let value = matrix[column][column];
+        if !(value.abs() > f64::MIN_POSITIVE && value.is_finite()) {
+            return None;
+        }
+        for rows in [&mut matrix, &mut inverse] {
+            rows[column].iter_mut().for_each(|x| *x /= value);
+        }
+        for row in (0..n).filter(|&r| r != column) {
+            let factor = matrix[row][column];
+            for j in 0..n {
+                matrix[row][j] -= factor * matrix[column][j];
+                inverse[row][j] -= factor * inverse[column][j];
             }
         }
-    };
-    for p in 0..target.len() {
-        let mean: [f64; 3] = std::array::from_fn(|c| pictures.iter().map(|s| s[p][c]).sum::<f64>() / sets);
-        let score = |residual: [f64; 3]| -> Vec<f64> {
-            derivatives.iter().map(|d| (0..3).map(|c| weights[p][c] as f64 * residual[c] * d[p][c]).sum()).collect()
-        };
-        add(&mut all, &score(std::array::from_fn(|c| target[p][c] as f64 - mean[c])), 1.0);
-        for picture in pictures {
-            add(&mut own, &score(std::array::from_fn(|c| picture[p][c] - mean[c])), 1.0 / (sets * (sets - 1.0)));
-        }
     }
-    let wrap = |middle: Symmetric| {
-        Symmetric::of(n, |i, j| (0..n).map(|a| (0..n).map(|b| inverse.at(i, a) * middle.at(a, b) * inverse.at(b, j)).sum::<f64>()).sum())
-    };
-    Some((wrap(all), wrap(own)))
+    Some(inverse)
 }

@@ -16,8 +16,10 @@ use std::collections::HashMap;
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// Mixtures may stand this deep within each other.
+/// Modifiers that others name as their argument, mixtures and mirrors among them, may stand this deep within each other.
 const DEPTH_LIMIT: usize = 32;
+/// The most patterns, textures and mixtures that one modifier may lead through, counted as often as a ray may meet them.
+const WEIGHT_LIMIT: usize = 1000;
 
 /// Why something could not be resolved.
 pub(super) enum Unresolved {
@@ -70,13 +72,15 @@ pub(super) struct Builder<'a> {
     definitions: Vec<Definition>,
     names: Names,
     chains: HashMap<Option<DefinitionId>, ChainId>,
+    /// For each chain of the scene, how many patterns, textures and mixtures it leads through.
+    weights: Vec<usize>,
     materials: HashMap<*const Primitive, MaterialId>,
     links: HashMap<*const Primitive, Link>,
     models: HashMap<String, Model>,
     groups: HashMap<String, Arc<Vec<Surface>>>,
     /// The octrees that are being read, one within another.
     within: Vec<String>,
-    /// Mixtures that are being resolved, one within another.
+    /// Chains that are being resolved, one within another.
     depth: usize,
 }
 
@@ -90,6 +94,7 @@ impl<'a> Builder<'a> {
             definitions: Vec::new(),
             names: HashMap::new(),
             chains: HashMap::new(),
+            weights: Vec::new(),
             materials: HashMap::new(),
             links: HashMap::new(),
             models: HashMap::new(),
@@ -108,7 +113,7 @@ impl<'a> Builder<'a> {
     pub fn forgive(&mut self, added: Resolved<()>) -> Result<()> {
         match added {
             Err(Unresolved::Unsupported(error)) if self.skip_unsupported => {
-                self.scene.warnings.push(format!("left out: {}", error.message));
+                self.scene.warnings.push(format!("left out: {}", error.remark()));
                 Ok(())
             }
             other => other.map_err(Error::from),
@@ -191,7 +196,9 @@ impl<'a> Builder<'a> {
             }
             "instance" => (Form::Group(self.group(primitive)?, placed()?), own.into_iter().collect()),
             kind => {
-                let shape = Shape::new(kind, &primitive.reals, &mut self.scene.warnings).map_err(|e| primitive.error(e))?;
+                let mut warnings = Vec::new();
+                let shape = Shape::new(kind, &primitive.reals, &mut warnings).map_err(|e| primitive.error(e))?;
+                self.scene.warnings.extend(warnings.into_iter().map(|warning| primitive.error(warning).remark()));
                 let Some(shape) = shape else { return Ok(None) };
                 (Form::Shape(shape), vec![self.chain(modifier)?])
             }
@@ -204,17 +211,31 @@ impl<'a> Builder<'a> {
         if let Some(&known) = self.chains.get(&modifier) {
             return Ok(known);
         }
+        if let Some(id) = modifier.filter(|_| self.depth == DEPTH_LIMIT) {
+            let message = format!("modifiers name each other as arguments more than {DEPTH_LIMIT} deep");
+            return Err(self.definitions[id].primitive.error(message).into());
+        }
+        self.depth += 1;
+        let built = self.new_chain(modifier);
+        self.depth -= 1;
+        built
+    }
+
+    fn new_chain(&mut self, modifier: Option<DefinitionId>) -> Resolved<ChainId> {
         let mut chain = Chain::default();
         if let Some(id) = modifier {
             (chain.name, chain.order) = (self.definitions[id].name.clone(), id as u32);
         }
-        let mut at = modifier;
+        let (mut at, mut weight) = (modifier, 0);
         while let Some(id) = at {
             let Definition { primitive, behind, order, .. } = self.definitions[id].clone();
             at = behind;
             match primitive.type_of().map(|t| t.class) {
-                Some(Class::Pattern | Class::Texture) => chain.links.push(self.link(&primitive)?),
-                Some(Class::Mixture) => self.mixture(&mut chain, &primitive, behind, order)?,
+                Some(Class::Pattern | Class::Texture) => {
+                    chain.links.push(self.link(&primitive)?);
+                    weight += 1;
+                }
+                Some(Class::Mixture) => weight += self.mixture(&mut chain, &primitive, behind, order)?,
                 _ => match chain.end {
                     End::Void => {
                         chain.before = chain.links.len();
@@ -223,31 +244,27 @@ impl<'a> Builder<'a> {
                     _ => return Err(conflict(&primitive).into()),
                 },
             }
+            if weight > WEIGHT_LIMIT {
+                return Err(primitive.error(format!("more than {WEIGHT_LIMIT} patterns, textures and mixtures in one chain")).into());
+            }
         }
         self.scene.chains.push(chain);
+        self.weights.push(weight);
         self.chains.insert(modifier, self.scene.chains.len() - 1);
         Ok(self.scene.chains.len() - 1)
     }
 
-    /// Adds a mixture to a chain: of materials it is its end, of patterns and textures a link.
-    fn mixture(&mut self, chain: &mut Chain, primitive: &Rc<Primitive>, behind: Option<DefinitionId>, order: u32) -> Resolved<()> {
-        if self.depth == DEPTH_LIMIT {
-            return Err(primitive.error(format!("mixtures stand more than {DEPTH_LIMIT} deep within each other")).into());
-        }
+    /// Adds a mixture to a chain, of materials as its end, of patterns and textures as a link; and tells through how many of them it leads.
+    fn mixture(&mut self, chain: &mut Chain, primitive: &Rc<Primitive>, behind: Option<DefinitionId>, order: u32) -> Resolved<usize> {
         let coefficient = Mixture::compile(primitive, &mut self.sources)?.ok_or_else(|| Unresolved::Unsupported(unsupported(primitive)))?;
-        self.depth += 1;
-        let sides = [0, 1].map(|i| {
-            let void = primitive.strings[i] == "void";
-            let found = if void { None } else { Some(self.late(primitive, i, order)?) };
-            self.chain(found)
-        });
-        self.depth -= 1;
-        let [fore, back] = sides;
-        let (fore, back) = (fore?, back?);
+        // If one side is wrong the other one is not looked at: looking at both, all the way down, would take too long.
+        let sides = self.side(primitive, 0, order).and_then(|fore| Ok((fore, self.side(primitive, 1, order)?)));
+        let (fore, back) = sides?;
+        let weight = 1 + self.weights[fore] + self.weights[back];
         let [a, b] = [fore, back].map(|side| &self.scene.chains[side]);
         if let (End::Void, End::Void) = (&a.end, &b.end) {
             chain.links.push(Link::Mixture(Arc::new((coefficient, a.links.clone(), b.links.clone()))));
-            return Ok(());
+            return Ok(weight);
         }
         if !matches!(chain.end, End::Void) {
             return Err(conflict(primitive).into());
@@ -257,7 +274,14 @@ impl<'a> Builder<'a> {
         }
         chain.before = chain.links.len();
         chain.end = End::Mixture(Arc::new(coefficient), fore, back);
-        Ok(())
+        Ok(weight)
+    }
+
+    /// The chain that a mixture's string argument names.
+    fn side(&mut self, primitive: &Primitive, string: usize, order: u32) -> Resolved<ChainId> {
+        let void = primitive.strings[string] == "void";
+        let found = if void { None } else { Some(self.late(primitive, string, order)?) };
+        self.chain(found)
     }
 
     /// A modifier that a string argument names: the latest before the primitive.

@@ -14,6 +14,9 @@ use crate::vector::Vec3;
 use crate::world::Layer;
 use wide::f32x8;
 
+/// A way inside that never ends counts as this long.
+const FAR: f64 = 1e10;
+
 /// Lanes of transmissivities.
 const L: usize = 2;
 
@@ -132,7 +135,7 @@ impl Transport for Dimming<'_> {
     fn absorb(&self, beta: &mut Beta, medium: &Inside, length: f64) {
         if medium.unknown {
             for (node, ln) in beta.nodes.iter_mut().zip(self.unknown.logarithms) {
-                *node *= (ln * length as f32).exp();
+                *node *= (ln * length.min(FAR) as f32).exp();
             }
         } else {
             beta.known *= medium.transmittance(length);

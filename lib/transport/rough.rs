@@ -101,8 +101,6 @@ pub struct Rough {
     pub nodes: Vec<Alpha>,
     /// The roughnesses from which directions are drawn.
     proposals: Vec<Alpha>,
-    /// Whether each node has its own samples, from the same random numbers: then the proposals are the nodes.
-    matched: bool,
     /// The products of coefficients.
     pub monomials: Monomials,
     /// How many samples the first hit gets: of its diffuse parts, of each proposal, of the environment.
@@ -117,19 +115,8 @@ pub struct Rough {
 type Lanes = (f32x8, f32x8, f32x8);
 
 impl Rough {
-    /// A material explored at the roughnesses `nodes`, all on the same directions, drawn from the roughnesses `proposals`: for a look at
-    /// roughnesses far apart.
-    pub fn shared(material: MaterialId, metal: bool, transmits: bool, nodes: Vec<Alpha>, proposals: Vec<Alpha>) -> Self {
-        Self::new(material, metal, transmits, nodes, proposals, false)
-    }
-
-    /// A material explored at the roughnesses `nodes`, each on directions of its own that differ only as the lobes do: so what one lobe makes of
-    /// the light differs from what the next one makes as little as it must.
-    pub fn matched(material: MaterialId, metal: bool, transmits: bool, nodes: Vec<Alpha>) -> Self {
-        Self::new(material, metal, transmits, nodes.clone(), nodes, true)
-    }
-
-    fn new(material: MaterialId, metal: bool, transmits: bool, nodes: Vec<Alpha>, proposals: Vec<Alpha>, matched: bool) -> Self {
+    /// A material explored at the roughnesses `nodes`, all on the same directions, drawn from the roughnesses `proposals`.
+    pub fn new(material: MaterialId, metal: bool, transmits: bool, nodes: Vec<Alpha>, proposals: Vec<Alpha>) -> Self {
         let lane =
             |f: &dyn Fn(&Alpha) -> f64, chunk: &[Alpha]| f32x8::from(std::array::from_fn(|i| chunk.get(i).map_or(0.0, |a| f(a) as f32)));
         let lanes = |roughnesses: &[Alpha]| -> Vec<Lanes> {
@@ -138,7 +125,7 @@ impl Rough {
         };
         let (in_lanes, drawn) = (lanes(&nodes), lanes(&proposals));
         let monomials = Monomials::new(transmits, nodes.len());
-        Self { material, metal, transmits, nodes, proposals, matched, monomials, rates: [1.0; 3], lanes: in_lanes, drawn }
+        Self { material, metal, transmits, nodes, proposals, monomials, rates: [1.0; 3], lanes: in_lanes, drawn }
     }
 }
 
@@ -175,15 +162,14 @@ pub(super) enum Surface<'a> {
 const SHARE: f64 = 0.5;
 
 impl<const L: usize> Tagging<'_, L> {
-    /// A part's value at a direction, without its coefficient, and the density with which its samples are drawn there, at each node.
-    fn shape(&self, shape: &Bsdf, part: Part, wi: Vec3, arriving: Arriving) -> (Nodes<L>, Nodes<L>) {
-        let all = |x: f64| [f32x8::splat(x as f32); L];
+    /// A part's value at a direction, without its coefficient, and the density with which its samples are drawn there.
+    pub(super) fn shape(&self, shape: &Bsdf, part: Part, wi: Vec3, arriving: Arriving) -> (Nodes<L>, f64) {
         if part.diffuse() {
             let lambert = wi.z.abs() / PI;
             let kept = if arriving == Arriving::Indirect { shape.kept } else { 1.0 };
-            return (all(lambert / kept), all(lambert));
+            return ([f32x8::splat((lambert / kept) as f32); L], lambert);
         }
-        let (values, density): (Nodes<L>, f64) = if part == Part::SpecularReflection {
+        if part == Part::SpecularReflection {
             let (wo, h) = (shape.viewer(), shape.viewer() + wi);
             let (x, y) = ((h.x * h.x / (h.z * h.z)) as f32, (h.y * h.y / (h.z * h.z)) as f32);
             let gaussian = |(u, v, area): (f32x8, f32x8, f32x8)| (-(u * x + v * y)).exp() * area;
@@ -194,9 +180,6 @@ impl<const L: usize> Tagging<'_, L> {
             } as f32;
             let densities = (h.length_squared() / (2.0 * PI * h.z.powi(3))) as f32;
             let nodes: Nodes<L> = std::array::from_fn(|l| gaussian(self.unknown.lanes[l]));
-            if self.unknown.matched {
-                return (nodes.map(|n| n * scale), nodes.map(|n| n * densities));
-            }
             let drawn: f32 = self.unknown.drawn.iter().map(|&lanes| gaussian(lanes).reduce_add()).sum();
             (nodes.map(|n| n * scale), (drawn * densities) as f64)
         } else {
@@ -210,12 +193,8 @@ impl<const L: usize> Tagging<'_, L> {
                 Arriving::Lamp(_) => nodes(&|alpha| lobe::transmission(alpha, shape.straight(), shape.viewer(), wi)),
                 Arriving::Indirect => nodes(&at),
             };
-            if self.unknown.matched {
-                return (values, nodes(&at));
-            }
             (values, self.unknown.proposals.iter().map(|&alpha| at(alpha)).sum())
-        };
-        (values, all(density))
+        }
     }
 
     /// The first term of a throughput, after meeting a part of the unknown that makes `lobes` of it at each group of nodes.
@@ -274,35 +253,27 @@ impl<'a, const L: usize> Transport for Tagging<'a, L> {
                     if count == 0.0 && arriving == Arriving::Indirect {
                         continue;
                     }
-                    let (values, densities) = self.shape(shape, part, wi, arriving);
-                    let (pdf, count) = (f32x8::splat(pdf as f32), f32x8::splat(count as f32));
+                    let (values, density) = self.shape(shape, part, wi, arriving);
+                    let scale = (1.0 / (pdf + count * density)) as f32;
                     // A path is a single term until it is aimed at a light.
-                    *slot = self.met(beta, surface, part, |l| values[l] / (pdf + count * densities[l]));
+                    *slot = self.met(beta, surface, part, |l| values[l] * scale);
                 }
                 next
             }
         }
     }
 
-    fn drawn(&self, beta: &Beta<L>, surface: &Surface, wi: Vec3, part: Part, way: usize, count: f64) -> (Beta<L>, f64) {
+    fn drawn(&self, beta: &Beta<L>, surface: &Surface, wi: Vec3, part: Part, _: usize, count: f64) -> (Beta<L>, f64) {
         match surface {
             Surface::Known(bsdf) => {
                 let density = count * bsdf.pdf(part, wi);
                 (self.known(beta, bsdf, wi, Arriving::Indirect, &part.alone(1.0 / density)), density)
             }
-            Surface::Unknown { shape, unknown, .. } => {
-                let (values, densities) = self.shape(shape, part, wi, Arriving::Indirect);
-                // A node that is sampled for itself gets nothing from the samples of others, while paths are followed in all ways.
-                let (lane, place) = (way / LANES, way % LANES);
-                let own = unknown.matched && !part.diffuse();
-                let density = count * densities[lane].to_array()[place] as f64;
-                let only = f32x8::from(std::array::from_fn(|i| (i == place) as u8 as f32));
+            Surface::Unknown { shape, .. } => {
+                let (values, density) = self.shape(shape, part, wi, Arriving::Indirect);
+                let density = count * density;
                 let scale = (1.0 / density) as f32;
-                let term = self.met(beta, surface, part, |l| match own {
-                    false => values[l] * scale,
-                    true if l == lane => values[l] * only * scale,
-                    true => f32x8::ZERO,
-                });
+                let term = self.met(beta, surface, part, |l| values[l] * scale);
                 (Beta { terms: [term, None] }, density)
             }
         }

@@ -1,13 +1,18 @@
 //! anneal: what material it is, by simulated annealing.
 
+use inverad::anneal::Objective;
 use inverad::args::anneal::{Arguments, Job};
 use inverad::cli::exec::{Exec, last_number};
+use inverad::cli::photo::{Direct, Photo};
 use inverad::cli::search::{Search, Watch};
 use inverad::cli::{self, Answer, Console, Input, Outcome, Output};
 use inverad::error::Error;
+use inverad::rad::{Document, Number};
+use inverad::recover::{Effort, recover};
+use inverad::unknown::Unknown;
 use std::path::Path;
 use std::process::ExitCode;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 fn main() -> ExitCode {
     cli::main("anneal", run)
@@ -46,16 +51,50 @@ fn run(arguments: Arguments, console: &Console) -> Outcome<Answer> {
 }
 
 fn search(start: &str, arguments: &Arguments, console: &Console) -> Outcome<Answer> {
-    let Some(command) = &arguments.judge.exec else {
-        return Err(Error::new("who judges the candidates? give --exec 'COMMAND that prints chi-squared'").into());
-    };
+    let photo = &arguments.photo;
+    match (&arguments.judge.exec, &photo.target) {
+        (Some(command), _) => {
+            let search = begin(start, arguments, arguments.search.state.as_deref())?;
+            let unknown = search.unknown().clone();
+            anneal(search, &mut Exec::new(command, &unknown)?, arguments, console)
+        }
+        (None, Some(target)) if photo.direct => {
+            let search = begin(start, arguments, arguments.search.state.as_deref())?;
+            let unknown = search.unknown().clone();
+            let photo = Photo::new(&unknown, target, arguments, console)?;
+            anneal(search, &mut Direct::new(&photo)?, arguments, console)
+        }
+        (None, Some(target)) => look(start, target, arguments, console),
+        (None, None) => {
+            let message =
+                "what shows the unknown? give --scene SCENE -vf VIEW --target PICTURE, or --exec 'COMMAND that prints chi-squared'";
+            Err(Error::new(message).into())
+        }
+    }
+}
+
+/// Recovers the material from the picture by the basis of its transport.
+fn look(start: &str, target: &str, arguments: &Arguments, console: &Console) -> Outcome<Answer> {
+    let options = arguments.options()?;
+    let (name, bytes) = Input::default().read(start)?;
+    let unknown = Unknown::new(Document::read(&name, bytes)?, &arguments.wishes())?;
+    let photo = Photo::new(&unknown, target, arguments, console)?;
+    let until = arguments.search.time.map(|seconds| Instant::now() + Duration::from_secs_f64(seconds.min(1e9)));
+    let effort = Effort { seed: options.seed, until, tolerance: options.tolerance };
+    let found = recover(&photo.evidence(), &unknown, photo.material(), effort, &|so_far| console.progress(|| so_far.into()))?;
+    let errors = found.errors();
+    let title = format!("chi2 {} over {} pixels", Number(found.chi2), found.pixels);
+    Output::whole(arguments.common.output.as_deref(), &unknown.recovered(&found.values, Some(&errors), &[title])?)?;
+    unknown.doubts(&found.values, Some(&errors)).iter().for_each(|doubt| console.warn(doubt));
+    Ok(if options.tolerance.is_none_or(|t| errors.iter().all(|e| *e <= t)) { Answer::Yes } else { Answer::No })
+}
+
+/// Searches for the unknown with someone who judges each candidate.
+fn anneal(mut search: Search, judge: &mut dyn Objective, arguments: &Arguments, console: &Console) -> Outcome<Answer> {
     let options = &arguments.search;
-    let mut search = begin(start, arguments, options.state.as_deref())?;
-    let unknown = search.unknown().clone();
-    let mut objective = Exec::new(command, &unknown)?;
     let time = options.time.map(|seconds| Duration::from_secs_f64(seconds.min(1e9)));
     let watch = Watch { state: options.state.as_deref(), log: options.log.as_deref(), time, steps: options.steps, console };
-    let reached = search.run(&mut objective, &watch)?;
+    let reached = search.run(judge, &watch)?;
     found(&search, arguments, console)?;
     Ok(if reached { Answer::Yes } else { Answer::No })
 }

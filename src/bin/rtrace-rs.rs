@@ -31,7 +31,7 @@ fn run(args: Arguments, console: &Console) -> Outcome<Answer> {
         }
     }
     let disk = Disk::new(args.scene_options.commands, cal::shipped, console);
-    let list = |file: &str| Ok(String::from_utf8_lossy(&disk.library(file)?).split_whitespace().map(str::to_string).collect());
+    let list = |file: &str| cli::list(&disk, file);
     let rules = args.light.rules(&list)?;
     args.picture.possible()?;
     if args.view.words.is_empty() { rays(&args, &rules, &disk, &list, console) } else { picture(&args, &rules, &disk, console) }

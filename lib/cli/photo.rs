@@ -1,0 +1,138 @@
+//! A photograph, the scene it was taken in, and what is unknown there, from what was typed.
+
+use super::stream::Input;
+use super::{Console, Disk, Outcome, scene};
+use crate::anneal::Objective;
+use crate::args::anneal::Arguments;
+use crate::cal;
+use crate::color::Rgb;
+use crate::error::{Error, Result};
+use crate::expand::Flat;
+use crate::metric::{self, Named};
+use crate::picture::Picture;
+use crate::rad::{Class, Primitive};
+use crate::recover::Evidence;
+use crate::render::{Budget, Film, Task, render};
+use crate::rules::Rules;
+use crate::scene::{MaterialId, Scene};
+use crate::unknown::Unknown;
+use crate::world::World;
+use std::sync::Arc;
+
+/// A photograph and all that is known of it.
+pub struct Photo<'a> {
+    unknown: &'a Unknown,
+    flat: Flat,
+    disk: Disk<'a>,
+    /// The place of the unknown material in the description.
+    place: usize,
+    material: MaterialId,
+    rules: Rules,
+    world: World,
+    film: Film,
+    target: Picture,
+    mask: Option<Vec<f32>>,
+    seed: u64,
+}
+
+impl<'a> Photo<'a> {
+    /// The photograph `target` of the scene that the arguments name, with the unknown in it.
+    pub fn new(unknown: &'a Unknown, target: &str, arguments: &Arguments, console: &'a Console) -> Outcome<Self> {
+        let photo = &arguments.photo;
+        let input = Input::default();
+        let read = |name: &str| -> Result<(String, Picture)> {
+            let (name, bytes) = input.read(name)?;
+            Ok((name.clone(), Picture::read(&bytes, &name)?))
+        };
+        let (name, target) = read(target)?;
+        let mut view = scene::view(&photo.view)?;
+        if photo.view.words.is_empty() && !view.apply_header(target.header.lines.iter().map(String::as_str)) {
+            return Err(
+                Error::new(format!("no view, and {name} does not say its own; give the view it was taken from with -vf FILE")).into()
+            );
+        }
+        let film = Film::new(&view, target.width, target.height, 0.0)?;
+        let target = target.into_radiance();
+        let mask = photo.mask.as_deref().map(read).transpose()?;
+        let mask = mask.map(|(mask_name, mask)| {
+            metric::weights(Named { name: &mask_name, picture: &mask.into_radiance() }, Named { name: &name, picture: &target })
+        });
+
+        let disk = Disk::new(arguments.scene_options.commands, cal::shipped, console);
+        let mut documents = vec![unknown.source().clone()];
+        documents.extend(scene::documents(&photo.scene, &disk)?);
+        let mut flat = scene::flat_of(documents, &arguments.scene_options, &disk)?;
+        // The scene's own definition of the unknown does not count.
+        let sought = &unknown.material().name;
+        let is_it = |p: &Primitive| p.name == *sought && p.type_of().is_some_and(|t| t.class == Class::Material);
+        flat.primitives.retain(|p| !is_it(p) || Arc::ptr_eq(&p.span.source, &unknown.source().source));
+        let place = flat.primitives.iter().rposition(is_it);
+        let place = place.ok_or_else(|| unknown.material().error("it is not in the scene"))?;
+
+        let rules = arguments.light.rules(&|file| scene::list(&disk, file))?;
+        let scene = Scene::new(&flat, &disk, false)?;
+        scene.warnings.iter().for_each(|w| console.warn(w));
+        let material = scene.material(sought);
+        let material = material.ok_or_else(|| unknown.material().error("no surface of the scene is made of it"))?;
+        let mut world = World::new(scene, &rules)?;
+        world.unknown = Some(material);
+        Ok(Self { unknown, flat, disk, place, material, rules, world, film, target, mask: mask.transpose()?, seed: arguments.common.seed })
+    }
+
+    /// What there is to go by.
+    pub fn evidence(&self) -> Evidence<'_> {
+        Evidence { world: &self.world, rules: &self.rules, film: &self.film, target: &self.target, mask: self.mask.as_deref() }
+    }
+
+    /// Which material of the scene is the unknown.
+    pub fn material(&self) -> MaterialId {
+        self.material
+    }
+}
+
+/// Renders the pixels that count anew for every candidate.
+pub struct Direct<'p, 'a> {
+    photo: &'p Photo<'a>,
+    pixels: Vec<usize>,
+}
+
+/// Samples of a pixel.
+const SAMPLES: u32 = 32;
+
+impl<'p, 'a> Direct<'p, 'a> {
+    /// Over the pixels that show the unknown.
+    pub fn new(photo: &'p Photo<'a>) -> Result<Self> {
+        Ok(Self { photo, pixels: photo.evidence().pixels(photo.unknown, photo.material)? })
+    }
+}
+
+impl Objective for Direct<'_, '_> {
+    fn chi2(&mut self, values: &[f64], _: usize) -> Result<f64> {
+        let photo = self.photo;
+        let mut flat = photo.flat.clone();
+        flat.primitives[photo.place].reals = photo.unknown.reals(values);
+        let world = World::new(Scene::new(&flat, &photo.disk, false)?, &photo.rules)?;
+        let lens = photo.film.lens();
+        let rendering = render(
+            &Task {
+                world: &world,
+                rules: &photo.rules,
+                count: self.pixels.len(),
+                lens: &|i, at| lens(self.pixels[i], at),
+                jitter: 1.0,
+                blur: None,
+                budget: Budget::Samples(SAMPLES),
+                seed: photo.seed,
+            },
+            &mut |_| true,
+        );
+        // The noise of the rendering adds its variance to chi-squared.
+        let chi2 = rendering.pixels.iter().zip(&self.pixels).map(|(pixel, &number)| {
+            let target = Rgb::from(photo.target.pixels[number].map(f64::from));
+            let off = target - pixel.mean();
+            let weight = photo.mask.as_ref().map_or(1.0, |mask| mask[number] as f64);
+            weight * (off * off - pixel.variance().0).element_sum()
+        });
+        Ok(chi2.sum())
+    }
+}

@@ -1,0 +1,266 @@
+//! Recovery of dielectric and glass: an index of refraction and a transmissivity.
+//!
+//! The index bends all paths, and the picture changes with it as a kaleidoscope does: pixel by pixel the right index is a needle that no descent
+//! finds. The means of blocks of pixels fall toward it from afar. So first their logarithms are compared at indices all over the range, then
+//! around the best; at last the pixels themselves say the rest (`look`).
+
+use super::fit::Point;
+use super::look::{Look, Model};
+use super::model::cubic;
+use super::statistics::Sheet;
+use super::{Effort, Evidence, Recovery, Seeds};
+use crate::anneal::{Annealer, Options};
+use crate::error::Result;
+use crate::scene::MaterialId;
+use crate::transport::{self, Basis, Clear, Pixels};
+use crate::unknown::Unknown;
+
+/// The smallest index that is looked at: less bends light no further.
+const LEAST_INDEX: f64 = 0.2;
+/// The index of glass that does not say its own (semantics 3.7).
+const GLASS_INDEX: f64 = 1.52;
+
+/// Width of the blocks of pixels, look by look, and samples of a pixel in each half.
+const BLOCKS: [(usize, u32); 3] = [(8, 1), (8, 1), (1, 2)];
+/// Distance of the indices of the first look, and how much nearer those of the next stand.
+const FIRST: f64 = 0.1;
+const NEARER: f64 = 4.0;
+/// Evaluations of the annealing at each look.
+const STEPS: usize = 300;
+
+/// Distance of the three indices that the pixels are looked at with, and samples of a pixel in each half.
+const SPREAD: f64 = 0.004;
+const SAMPLES: [f64; 4] = [8.0, 8.0, 16.0, 32.0];
+
+/// Indices, and the bases there.
+struct Stage<'a> {
+    evidence: &'a Evidence<'a>,
+    unknown: &'a Unknown,
+    indices: Vec<f64>,
+    parts: Vec<transport::Unknown>,
+    /// Roots of the transmissivities of the columns.
+    roots: Vec<f64>,
+}
+
+impl<'a> Stage<'a> {
+    fn new(evidence: &'a Evidence<'a>, unknown: &'a Unknown, material: MaterialId, indices: Vec<f64>) -> Self {
+        let glass = unknown.material().kind == "glass";
+        let clear: Vec<Clear> = indices.iter().map(|&index| Clear::new(material, glass, index)).collect();
+        let roots = clear[0].nodes.iter().map(|t| t.sqrt()).collect();
+        let parts = clear.into_iter().map(|c| transport::Unknown::Clear(Box::new(c))).collect();
+        Self { evidence, unknown, indices, parts, roots }
+    }
+
+    /// The weights of the columns of each channel in the basis of one index.
+    fn columns(&self, values: &[f64]) -> [Vec<f64>; 3] {
+        let a = self.unknown.reals(values);
+        std::array::from_fn(|c| cubic(&self.roots, a[c].clamp(0.0, 1.0).sqrt()))
+    }
+
+    fn index(&self, values: &[f64]) -> f64 {
+        let a = self.unknown.reals(values);
+        a.get(3).map_or(GLASS_INDEX, |n| n + a.get(4).map_or(0.0, |h| h / 500.0))
+    }
+}
+
+impl Model for Stage<'_> {
+    fn trace(&self, pixels: &[usize], samples: &[u32], seed: u64) -> Basis {
+        let pixels = Pixels { numbers: pixels, samples, lens: &self.evidence.film.lens() };
+        let at = |unknown| transport::trace(self.evidence.world, self.evidence.rules, unknown, &pixels, 2, seed);
+        Basis::beside(&self.parts.iter().map(at).collect::<Vec<_>>())
+    }
+
+    fn coefficients(&self, values: &[f64]) -> [Vec<f64>; 3] {
+        let columns = self.columns(values);
+        let indices = if self.indices.len() > 1 { cubic(&self.indices, self.index(values)) } else { vec![1.0] };
+        columns.map(|columns| indices.iter().flat_map(|n| columns.iter().map(move |c| n * c)).collect())
+    }
+
+    fn trusted(&self, values: &[f64]) -> Vec<f64> {
+        let mut values = values.to_vec();
+        if let Some(i) = self.unknown.slots().get(3).copied().flatten() {
+            values[i] = values[i].clamp(self.indices[0], self.indices[self.indices.len() - 1]);
+        }
+        values
+    }
+}
+
+/// Recovers the numbers.
+pub fn recover(
+    evidence: &Evidence,
+    unknown: &Unknown,
+    material: MaterialId,
+    pixels: &[usize],
+    effort: Effort,
+    tell: &dyn Fn(&str),
+) -> Result<Recovery> {
+    let parameters = unknown.parameters();
+    let sheet = Sheet::new(evidence, pixels);
+    let mut seeds = Seeds::new(effort.seed);
+    let slot = unknown.slots().get(3).copied().flatten();
+    let start: Vec<f64> = parameters.iter().map(|p| p.start).collect();
+    let fixed = unknown.reals(&start).get(3).copied().unwrap_or(GLASS_INDEX);
+    let (low, high) = slot.map_or((fixed, fixed), |i| (parameters[i].low.max(LEAST_INDEX), parameters[i].high.max(LEAST_INDEX)));
+    let bounds: Vec<(f64, f64)> =
+        parameters.iter().enumerate().map(|(i, p)| if Some(i) == slot { (low, high) } else { (p.low, p.high) }).collect();
+
+    // The valley, by blocks of pixels.
+    let mut best = Point { values: start, chi2: f64::INFINITY };
+    let (mut from, mut to, mut step) = (low, high, FIRST);
+    for (look, &(width, samples)) in BLOCKS.iter().enumerate() {
+        let blocks = Blocks::new(&sheet, width);
+        let count = ((to - from) / step).round().max(1.0) as usize;
+        let indices: Vec<f64> = (0..=count).map(|i| from + (to - from) * i as f64 / count as f64).collect();
+        tell(&format!("indices {:.3} to {:.3}", from, to));
+        let sampled: Vec<usize> = blocks.sample(look);
+        let mut found = Vec::new();
+        for &index in if slot.is_some() { &indices[..] } else { &indices[..1] } {
+            let stage = Stage::new(evidence, unknown, material, vec![index]);
+            let numbers: Vec<usize> = sampled.iter().map(|&i| pixels[i]).collect();
+            let basis = stage.trace(&numbers, &vec![samples; numbers.len()], seeds.next());
+            found.push(blocks.fit(&stage, &basis, &sampled, unknown, slot.map(|i| (i, index)), effort.seed)?);
+        }
+        let Some(lowest) = (0..found.len()).min_by(|&a, &b| found[a].chi2.total_cmp(&found[b].chi2)) else { continue };
+        let before = std::mem::replace(&mut best, found[lowest].clone());
+        let Some(i) = slot else { break };
+        if width == 1 {
+            // Two lines meet there. The logarithms of pixels that are dark by chance spoil the colours; those of blocks do not.
+            best.values = before.values;
+            let misfit = |k: usize| found[k].chi2;
+            let aside = match lowest {
+                0 => 0.0,
+                k if k + 1 == found.len() => 0.0,
+                k => 0.5 * (misfit(k - 1) - misfit(k + 1)) / (misfit(k - 1).max(misfit(k + 1)) - misfit(k)).max(f64::MIN_POSITIVE),
+            };
+            best.values[i] = (indices[lowest] + aside.clamp(-0.5, 0.5) * step).clamp(low, high);
+            break;
+        }
+        (from, to) = ((best.values[i] - step).max(low), (best.values[i] + step).min(high));
+        step /= NEARER;
+    }
+
+    // Its bottom, by pixels.
+    let mut shares = vec![1.0; pixels.len()];
+    for look in 1.. {
+        tell(&format!("look {look}: {:.4?}", best.values));
+        let indices = match slot {
+            Some(i) => [-1.0, 0.0, 1.0].map(|k| best.values[i] + k * SPREAD).to_vec(),
+            None => vec![fixed],
+        };
+        let (first, end) = (indices[0], indices[indices.len() - 1]);
+        let stage = Stage::new(evidence, unknown, material, indices);
+        let enough = |found: &Recovery, before: Option<&Recovery>| effort.contents(found, before);
+        let (found, next) =
+            Look { sheet: &sheet, bounds: &bounds, rounds: &SAMPLES, shares: &shares }.at(&stage, &best.values, &mut seeds, &enough);
+        let inside = slot.is_none_or(|i| found.values[i] > first && found.values[i] < end);
+        if inside || effort.late() || look == MOST_LOOKS {
+            return Ok(found);
+        }
+        shares = next;
+        best = Point { values: found.values.clone(), chi2: found.chi2 };
+    }
+    unreachable!()
+}
+
+/// Looks before the search gives up to keep the answer inside the indices.
+const MOST_LOOKS: usize = 8;
+
+/// Means of square blocks of pixels.
+struct Blocks<'a> {
+    sheet: &'a Sheet<'a>,
+    /// The block of each pixel.
+    of: Vec<usize>,
+    count: usize,
+}
+
+impl<'a> Blocks<'a> {
+    fn new(sheet: &'a Sheet<'a>, width: usize) -> Self {
+        let place = |&n: &usize| {
+            let (x, y) = sheet.place(n);
+            ((y / width) << 32) | (x / width)
+        };
+        let mut names: Vec<usize> = sheet.numbers.iter().map(place).collect();
+        names.sort_unstable();
+        names.dedup();
+        let of = sheet.numbers.iter().map(|n| names.binary_search(&place(n)).unwrap_or(0)).collect();
+        Self { sheet, of, count: names.len() }
+    }
+
+    /// The pixels that a look samples: at first a quarter of them.
+    fn sample(&self, look: usize) -> Vec<usize> {
+        let counts = |i: &usize| {
+            let (x, y) = self.sheet.place(self.sheet.numbers[*i]);
+            look > 0 || (x % 2 == 0 && y % 2 == 0)
+        };
+        let some: Vec<usize> = (0..self.sheet.numbers.len()).filter(counts).collect();
+        if some.is_empty() { (0..self.sheet.numbers.len()).collect() } else { some }
+    }
+
+    /// The transmissivities that bring the logarithms of the blocks nearest, at one index, and how near.
+    fn fit(
+        &self,
+        stage: &Stage,
+        basis: &Basis,
+        sampled: &[usize],
+        unknown: &Unknown,
+        index: Option<(usize, f64)>,
+        seed: u64,
+    ) -> Result<Point> {
+        let columns = basis.columns;
+        let mut sums = vec![vec![0.0; 3 * columns]; self.count];
+        let mut target = vec![([0.0; 3], 0.0); self.count];
+        for (place, &pixel) in sampled.iter().enumerate() {
+            let block = self.of[pixel];
+            let weight = self.sheet.weight(pixel);
+            for (sum, (a, b)) in sums[block].iter_mut().zip(basis.pixel(place, 0).iter().zip(basis.pixel(place, 1))) {
+                *sum += weight * 0.5 * (a + b) as f64;
+            }
+            (0..3).for_each(|c| target[block].0[c] += weight * self.sheet.target[pixel][c] as f64);
+            target[block].1 += weight;
+        }
+        let floor = 0.02 * self.sheet.level;
+        let misfit = |values: &[f64]| -> f64 {
+            let x = stage.columns(values);
+            let block = |(sums, (target, weight)): (&Vec<f64>, &([f64; 3], f64))| {
+                let channel = |c: usize| {
+                    let model: f64 = x[c].iter().zip(&sums[c * columns..]).map(|(x, s)| x * s).sum();
+                    ((target[c] + weight * floor) / (model.max(0.0) + weight * floor)).ln().powi(2)
+                };
+                weight * (0..3).map(channel).sum::<f64>()
+            };
+            sums.iter().zip(&target).filter(|(_, t)| t.1 > 0.0).map(block).sum()
+        };
+        // Annealing over what is left when the index is held.
+        let mut parameters = unknown.parameters().to_vec();
+        if let Some((i, index)) = index {
+            (parameters[i].start, parameters[i].low, parameters[i].high) = (index, index, index);
+        }
+        let free: Vec<usize> = (0..parameters.len()).filter(|&i| index.is_none_or(|(held, _)| held != i)).collect();
+        let whole = |part: &[f64]| {
+            let mut values: Vec<f64> = parameters.iter().map(|p| p.start).collect();
+            free.iter().zip(part).for_each(|(&i, &v)| values[i] = v);
+            values
+        };
+        if free.is_empty() {
+            let values = whole(&[]);
+            return Ok(Point { chi2: misfit(&values), values });
+        }
+        let options = Options {
+            seed,
+            steps: STEPS,
+            groups: (0..free.len()).map(|i| vec![i]).collect(),
+            stages: vec![1.0],
+            polish: true,
+            tolerance: None,
+            residuals: None,
+        };
+        let mut annealer = Annealer::new(free.iter().map(|&i| parameters[i].clone()).collect(), options)?;
+        while let Some(part) = annealer.propose() {
+            let chi2 = misfit(&whole(part));
+            annealer.tell(chi2);
+        }
+        let best = annealer.best().map_or_else(Vec::new, |b| b.values);
+        let values = whole(&best);
+        Ok(Point { chi2: misfit(&values), values })
+    }
+}
