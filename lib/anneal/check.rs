@@ -21,6 +21,7 @@ impl Annealer {
             && self.next.is_some() == self.end.is_none()
             && self.next.as_ref().is_none_or(|next| {
                 vector(&next.values)
+                    && self.parameters.iter().zip(&next.values).all(|(p, v)| (p.low..=p.high).contains(v))
                     && match &next.purpose {
                         Purpose::Survey | Purpose::Polish => true,
                         Purpose::Step(step) => self.walk.as_ref().is_some_and(|walk| walk.has(step, count)),

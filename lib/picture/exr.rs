@@ -19,6 +19,9 @@ pub const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
 /// The attribute that holds the header.
 const HEADER: &str = "radiance";
 
+/// The aspects of pixels that OpenEXR allows.
+const ASPECTS: std::ops::RangeInclusive<f32> = 1e-6..=1e6;
+
 /// The most numbers that are read, over all planes.
 const MAX_SAMPLES: usize = 1 << 31;
 
@@ -169,8 +172,8 @@ impl Planes {
         let encoding = Encoding { compression: Compression::ZIP16, blocks: Blocks::ScanLines, line_order: LineOrder::Increasing };
         let mut image = Image::from_layer(Layer::new(size, LayerAttributes::default(), encoding, channels));
         image.attributes.display_window = IntegerBounds::from_dimensions(size);
-        // OpenEXR's aspect is width over height.
-        image.attributes.pixel_aspect = (1.0 / self.header.pixel_aspect()) as f32;
+        // OpenEXR's aspect is width over height. The header holds it too, whatever it is.
+        image.attributes.pixel_aspect = Some((1.0 / self.header.pixel_aspect()) as f32).filter(|a| ASPECTS.contains(a)).unwrap_or(1.0);
         image.attributes.chromaticities = self.header.primaries().map(|primaries| {
             let [red, green, blue, white] = primaries.map(|[x, y]| Vec2(x as f32, y as f32));
             Chromaticities { red, green, blue, white }
@@ -208,7 +211,7 @@ fn header(attributes: &ImageAttributes, of_first: &LayerAttributes, name: &str) 
         text(lines).lines().for_each(|line| header.push(line));
     }
     header.check(name)?;
-    if header.values("PIXASPECT").next().is_none() && attributes.pixel_aspect != 1.0 && attributes.pixel_aspect.is_normal() {
+    if header.values("PIXASPECT").next().is_none() && attributes.pixel_aspect != 1.0 && ASPECTS.contains(&attributes.pixel_aspect) {
         header.push(&format!("PIXASPECT={}", 1.0 / attributes.pixel_aspect));
     }
     if let Some(Chromaticities { red, green, blue, white }) = attributes.chromaticities.filter(|_| header.primaries().is_none()) {
