@@ -99,7 +99,12 @@ fn a_search_that_is_killed_goes_on_to_the_same_bytes() {
             continue;
         }
         let cut = child.wait_with_output().unwrap();
-        assert!(cut.stdout == whole.stdout, "{} instead of {}", String::from_utf8_lossy(&cut.stdout), String::from_utf8_lossy(&whole.stdout));
+        assert!(
+            cut.stdout == whole.stdout,
+            "{} instead of {}",
+            String::from_utf8_lossy(&cut.stdout),
+            String::from_utf8_lossy(&whole.stdout)
+        );
         for (a, b) in [("whole", "cut"), ("whole.jsonl", "cut.jsonl")] {
             assert_eq!(fs::read(at(a)).unwrap(), fs::read(at(b)).unwrap(), "{a}");
             fs::remove_file(at(b)).unwrap();
