@@ -192,8 +192,9 @@ struct Scattered {
     shared: f64,
 }
 
-/// Below this weight a path goes on by roulette.
+/// Below this weight a path goes on by roulette; one that nothing was left to chance for yet, below the second.
 const ROULETTE: f64 = 0.1;
+const EXACT_ROULETTE: f64 = 0.001;
 
 impl<'a, B: Clone> Integrator<'a, B> {
     /// An integrator for a world and rules.

@@ -42,7 +42,7 @@
 //! | [`world`] | Scene to World: ready for rays, specialised to what the scene contains | |
 //! | [`integrator`] | the radiance along one ray | |
 //! | [`render`] | all pixels: seeds, threads, sample budget, error estimate | rayon |
-//! | [`rays`] | what is asked and said of single rays, as `rtrace` reads and writes it | |
+//! | [`rays`] | what is asked and said of single rays, as `rtrace` reads and writes it | rayon |
 //! | [`transport`] | the basis: the picture as a function of one unknown material | rayon, wide |
 //! | [`recover`] | target, unknown and bounds to values and their standard errors | rayon |
 //! | [`args`] | what was typed | clap, clap_complete, clap_mangen |

@@ -103,7 +103,16 @@ impl Lamp {
                 }
             }
         };
-        (sample.distance <= self.radius).then_some(self.focused(sample))
+        self.lights(from, sample.distance).then_some(self.focused(sample))
+    }
+
+    /// Whether a point of it, so far away, lights the place `from`: a glow does within its radius. RADIANCE measures to where its samples are,
+    /// which is the centre of a sphere.
+    pub fn lights(&self, from: Vec3, distance: f64) -> bool {
+        match self.extent.facing {
+            Facing::All if self.radius.is_finite() => self.extent.center.distance(from) <= self.radius,
+            _ => distance <= self.radius,
+        }
     }
 
     /// The density per solid angle with which [`Lamp::sample`] finds `direction` from `from`.
@@ -119,7 +128,7 @@ impl Lamp {
             Form::Shape(surface) => {
                 let (shape, area) = &**surface;
                 let ray = Ray { origin: from, direction };
-                let Some(t) = shape.intersect(&ray, 0.0, f64::INFINITY).filter(|&t| t <= self.radius) else { return 0.0 };
+                let Some(t) = shape.intersect(&ray, 0.0, f64::INFINITY).filter(|&t| self.lights(from, t)) else { return 0.0 };
                 if let Some((_, spread)) = cap(shape, from) {
                     return 1.0 / (2.0 * PI * spread);
                 }

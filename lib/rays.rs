@@ -8,7 +8,7 @@ mod teller;
 mod tree;
 
 pub use fields::{Fields, Space};
-pub use teller::Teller;
+pub use teller::{Teller, lengths};
 
 use crate::error::{Error, Result};
 use std::io::{BufRead, ErrorKind};

@@ -104,7 +104,7 @@ pub struct Rendering {
 }
 
 /// The most samples of a pixel that has an error of its own to reach.
-const MOST: u32 = 1 << 22;
+const MOST: u32 = 1 << 20;
 
 /// The fewest such samples of a pixel that is left to chance: fewer may all miss what matters.
 const FEWEST: u32 = 4 * GROUPS as u32;

@@ -2,11 +2,12 @@
 
 mod explain;
 
-pub use explain::{defaults, explain};
+pub use explain::{FEATURES, defaults, explain};
 
 use super::{Common, Scenes, ViewWords};
 use crate::color::Rgb;
 use crate::error::{Error, Result};
+use crate::picture::PRIMARIES;
 use crate::rays::Space;
 use crate::render::{Budget, DEFAULT_ERROR};
 use crate::rules::{FRESNEL_OFFSET, Rules, Ward};
@@ -20,7 +21,7 @@ use std::time::Duration;
 #[command(name = "rtrace-rs", version, max_term_width = 100)]
 pub struct Arguments {
     /// Scene files, or an octree; - is standard input
-    #[arg(value_name = "SCENE", required_unless_present_any = ["explain", "defaults"])]
+    #[arg(value_name = "SCENE", required_unless_present_any = ["explain", "defaults", "features"])]
     pub scenes: Vec<String>,
 
     /// The view.
@@ -67,6 +68,10 @@ pub struct Arguments {
     #[arg(long = "defaults")]
     pub defaults: bool,
 
+    /// Print which features of RADIANCE's there are, and end
+    #[arg(long = "features")]
+    pub features: bool,
+
     /// What all programs share.
     #[command(flatten)]
     pub common: Common,
@@ -95,6 +100,10 @@ pub struct PictureOptions {
     /// Diameter of the lens; things are in focus at the length of -vd [default: 0]
     #[arg(long = "pd", value_name = "F")]
     pub pd: Option<f64>,
+
+    /// Keep the length of each pixel's central ray, by way of flat mirrors and panes: a 4-byte number a pixel
+    #[arg(long = "z", value_name = "FILE")]
+    pub z: Option<PathBuf>,
 
     /// Write OpenEXR instead of a RADIANCE picture, as for an output file that ends in .exr
     #[arg(long)]
@@ -128,12 +137,27 @@ pub struct PictureOptions {
     #[arg(long = "pS")]
     pub scotopic: bool,
 
+    /// CIE (x, y) of red, green, blue and white; RADIANCE's own only
+    #[arg(long = "pc", hide = true, value_names = ["X", "Y", "X", "Y", "X", "Y", "X", "Y"], num_args = 8)]
+    pub pc: Option<Vec<f64>>,
+
     /// What sets the clock of the body; for rays only
     #[arg(long = "pM")]
     pub melanopic: bool,
 }
 
 impl PictureOptions {
+    /// Refuses primaries other than RADIANCE's.
+    pub fn possible(&self) -> Result<()> {
+        let own = PRIMARIES.iter().flatten();
+        match &self.pc {
+            Some(given) if given.iter().zip(own).any(|(a, b)| (a - b).abs() > 1e-3) => {
+                Err(Error::new("-pc: other primaries than RADIANCE's (.64 .33 .29 .6 .15 .06 .3333 .3333) are not supported; use -pXYZ"))
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// What colours are told in.
     pub fn space(&self) -> Space {
         match (self.xyz, self.luminance, self.scotopic, self.melanopic) {
@@ -337,6 +361,24 @@ pub struct Tuning {
     /// Uncorrelated sampling
     #[arg(long = "u", hide = true)]
     pub u: Option<bool>,
+    /// Spectral output
+    #[arg(long = "co", hide = true)]
+    pub co: Option<bool>,
+    /// Recover a picture
+    #[arg(long = "r", hide = true, value_name = "FILE")]
+    pub r: Option<String>,
+    /// Recover a picture in its place
+    #[arg(long = "ro", hide = true, value_name = "FILE")]
+    pub ro: Option<String>,
+    /// A sequence of views
+    #[arg(long = "S", hide = true, value_name = "N")]
+    pub sequence: Option<i64>,
+    /// Stay in memory
+    #[arg(long = "P", hide = true, value_name = "FILE")]
+    pub persist: Option<String>,
+    /// Stay in memory, many times
+    #[arg(long = "PP", hide = true, value_name = "FILE")]
+    pub persist_parallel: Option<String>,
     /// Warnings [default: on]
     #[arg(long = "w")]
     pub w: Option<bool>,
@@ -404,7 +446,18 @@ impl Light {
 
     /// Refuses what has no meaning here.
     fn possible(&self) -> Result<()> {
-        let Tuning { ma, pm, cs, am, .. } = &self.tuning;
+        let Tuning { ma, pm, cs, am, r, ro, sequence, persist, persist_parallel, .. } = &self.tuning;
+        let refused = [
+            (
+                r.is_some() || ro.is_some(),
+                "-r, -ro: there is nothing to recover: a picture is written when it is finished; render it again",
+            ),
+            (sequence.is_some(), "-S: views in sequence are not read from standard input; render each by its own command, with -vf"),
+            (persist.is_some() || persist_parallel.is_some(), "-P, -PP: the program does not stay in memory; send it all rays at once"),
+        ];
+        if let Some((_, reason)) = refused.iter().find(|(given, _)| *given) {
+            return Err(Error::new(*reason));
+        }
         let positive = |v: &Option<f64>| v.is_some_and(|v| v > 0.0);
         if ma.as_ref().is_some_and(|v| v.iter().any(|&v| v != 0.0)) && self.me.as_ref().is_some_and(|v| v.iter().any(|&v| v != 0.0)) {
             return Err(Error::new("-ma: a medium that scatters light is not supported; -ma 0 0 0 leaves one that only absorbs it"));

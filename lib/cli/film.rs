@@ -57,6 +57,11 @@ pub fn variance(film: &Film, header: &Header, rendering: &Rendering) -> Result<V
     planes.write()
 }
 
+/// A file of depths, as rpict -z writes it: a number of 4 bytes for each pixel.
+pub fn depths(lengths: &[f64]) -> Vec<u8> {
+    lengths.iter().flat_map(|&v| (v as f32).to_ne_bytes()).collect()
+}
+
 /// Other pictures of the same pixels that can be kept.
 const AOVS: [&str; 5] = ["normal", "depth", "albedo", "direct", "indirect"];
 

@@ -60,7 +60,7 @@ impl<'a> Photo<'a> {
 
         let disk = Disk::new(arguments.scene_options.commands, cal::shipped, console);
         let mut documents = vec![unknown.source().clone()];
-        documents.extend(scene::documents(&photo.scene)?);
+        documents.extend(scene::documents(&photo.scene, &disk)?);
         let mut flat = scene::flat_of(documents, &arguments.scene_options, &disk)?;
         // The scene's own definition of the unknown does not count.
         let sought = &unknown.material().name;

@@ -1,28 +1,48 @@
 //! Scenes and views as they are named on a command line.
 
-use super::{Input, stream::file};
+use super::Input;
+use super::stream::{file, plain};
 use crate::args::{Commands, Scenes, ViewWords};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::expand::{Flat, expand, refuse_commands};
+use crate::import::{Octree, is_octree, octree};
 use crate::rad::Document;
 use crate::resolve::Resolve;
 use crate::view::View;
+use std::process::{Command, Stdio};
 
-/// The documents of scene files; `-` is standard input.
-pub fn documents(names: &[String]) -> Result<Vec<Document>> {
+/// The documents of scene files and octrees. A name that begins with `!` is a command that prints one; it was typed, so it may run.
+pub fn documents(names: &[String], resolve: &dyn Resolve) -> Result<Vec<Document>> {
     let input = Input::default();
-    names
-        .iter()
-        .map(|name| {
-            let (name, bytes) = input.read(name)?;
-            Document::read(&name, bytes)
-        })
-        .collect()
+    let mut documents = Vec::new();
+    for name in names {
+        let (name, bytes) = match name.strip_prefix('!') {
+            Some(command) => (name.clone(), output(command)?),
+            None => input.read(name)?,
+        };
+        if !is_octree(&bytes) {
+            documents.push(Document::read(&name, bytes)?);
+            continue;
+        }
+        match octree(&bytes, &name)? {
+            Octree::Scene(document) => documents.push(document),
+            Octree::Files(files) => {
+                for file in files {
+                    let bytes = match file.strip_prefix('!') {
+                        Some(command) => resolve.command(command)?,
+                        None => resolve.scene(&file)?,
+                    };
+                    documents.push(Document::read(&file, bytes)?);
+                }
+            }
+        }
+    }
+    Ok(documents)
 }
 
 /// The description that scene files make together.
 pub fn flat(names: &[String], options: &Scenes, resolve: &dyn Resolve) -> Result<Flat> {
-    flat_of(documents(names)?, options, resolve)
+    flat_of(documents(names, resolve)?, options, resolve)
 }
 
 /// The description that documents make together.
@@ -31,6 +51,16 @@ pub fn flat_of(documents: Vec<Document>, options: &Scenes, resolve: &dyn Resolve
         refuse_commands(&documents)?;
     }
     expand(documents, resolve)
+}
+
+/// What a command prints.
+fn output(command: &str) -> Result<Vec<u8>> {
+    let failed = |e: std::io::Error| Error::new(format!("command {command}: {}", plain(&e)));
+    let output = Command::new("sh").arg("-c").arg(command).stdin(Stdio::null()).stderr(Stdio::inherit()).output().map_err(failed)?;
+    match output.status.success() {
+        true => Ok(output.stdout),
+        false => Err(Error::new(format!("command {command}: {}", output.status))),
+    }
 }
 
 /// The words of a file that lists modifiers.

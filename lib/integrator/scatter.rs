@@ -1,6 +1,6 @@
 //! How a path goes on from a surface: in single directions, by samples of its rough parts, aimed at lamps and at the environment.
 
-use super::{Integrator, Kind, ROULETTE, Scattered, Scattering, Segment, Transport};
+use super::{EXACT_ROULETTE, Integrator, Kind, ROULETTE, Scattered, Scattering, Segment, Transport};
 use crate::bsdf::{Arriving, Bsdf, Delta, Part};
 use crate::color::Rgb;
 use crate::geometry::Ray;
@@ -244,7 +244,7 @@ impl<B: Clone> Integrator<'_, B> {
                 if most.is_some_and(|m| m < 0 && next.level > -m) {
                     return;
                 }
-                least.unwrap_or(ROULETTE)
+                least.unwrap_or(if next.exact { EXACT_ROULETTE } else { ROULETTE })
             }
         };
         if next.weight < least {

@@ -19,6 +19,11 @@ pub const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
 /// The attribute that holds the header.
 const HEADER: &str = "radiance";
 
+/// The most numbers that a byte of a file stands for beyond the first [`FREE`] ones: deflate, the densest of the compressions, reaches
+/// 1032 bytes.
+const NUMBERS_PER_BYTE: usize = 1032;
+const FREE: usize = 1 << 22;
+
 /// The aspects of pixels that OpenEXR allows.
 const ASPECTS: std::ops::RangeInclusive<f32> = 1e-6..=1e6;
 
@@ -132,6 +137,9 @@ impl Planes {
         samples = samples.saturating_add(count.saturating_mul(meta.headers.iter().map(|part| part.channels.list.len()).sum()));
         if samples > 2 * MAX_SAMPLES {
             return Err(Error::new(format!("{name}: more than 2^31 numbers in all planes, the most that is read")));
+        }
+        if samples / 2 > FREE.saturating_add(bytes.len().saturating_mul(NUMBERS_PER_BYTE)) {
+            return Err(Error::new(format!("{name}: {samples} numbers do not fit into its {} bytes; the file is damaged", bytes.len())));
         }
         reserve(&mut Vec::<f32>::new(), samples).map_err(|e| Error::new(format!("{name}: {}", e.message)))?;
 

@@ -9,6 +9,11 @@ use crate::error::{Error, Result};
 /// The longest header that is read, in bytes.
 const MAX_HEADER: usize = 1 << 16;
 
+/// The most pixels that a byte of a file stands for beyond the first [`FREE`] ones: runs of runs could stand for any number, but nobody
+/// writes them, and the present encoding reaches 16.
+const PIXELS_PER_BYTE: usize = 64;
+const FREE: usize = 1 << 22;
+
 /// Widths whose lines are run-length encoded when written.
 const RUN_LENGTH_WIDTHS: std::ops::RangeInclusive<usize> = 17..=32767;
 
@@ -62,6 +67,11 @@ pub fn read(bytes: &[u8], name: &str) -> Result<Picture> {
     let resolution = Resolution::read(&mut input)?;
     let in_file = |e: Error| Error::new(format!("{name}: {}", e.message));
     let count = pixel_count(resolution.length, resolution.lines).map_err(in_file)?;
+
+    if count > FREE.saturating_add(input.rest.len().saturating_mul(PIXELS_PER_BYTE)) {
+        let bytes = input.rest.len();
+        return Err(Error::new(format!("{name}: {count} pixels do not fit into its {bytes} bytes; the file is damaged, or cut off")));
+    }
 
     // Decode in the order of the file; what is missing is found out before its memory is touched.
     let mut pixels = Vec::new();

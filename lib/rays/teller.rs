@@ -6,11 +6,12 @@ use super::{Form, Format};
 use crate::color::Rgb;
 use crate::geometry::Ray;
 use crate::integrator::{Integrator, Radiance};
-use crate::render::{Budget, Pixel};
+use crate::render::{Budget, Pixel, Task};
 use crate::rules::Rules;
 use crate::sampling::Sampler;
 use crate::vector::Vec3;
 use crate::world::{Coming, World};
+use rayon::prelude::*;
 
 /// Tells of rays.
 pub struct Teller<'w> {
@@ -199,6 +200,18 @@ impl<'w> Teller<'w> {
             writer.end();
         }
     }
+}
+
+/// The effective lengths of the central rays of a picture's pixels, by way of flat mirrors and panes; 1e10 where nothing is.
+pub fn lengths(task: &Task) -> Vec<f64> {
+    let length = |number: usize| {
+        let Some((origin, direction, limit)) = (task.lens)(number, [0.5; 2]) else { return FAR };
+        let mut tree = Tree::new(task.world, task.rules, false);
+        let sampler = Sampler::new(task.seed, number as u64, 0, 0);
+        Integrator::new(task.world, task.rules).trace(&mut tree, Ray { origin, direction }, limit, sampler);
+        tree.fate(0).effective()
+    };
+    (0..task.count).into_par_iter().map(length).collect()
 }
 
 /// The record of a ray that meets nothing.

@@ -305,7 +305,9 @@ impl Place<'_> {
             }
             Material::Glow(radiance, radius) if front => {
                 let emitter = match self.found.lamp {
-                    Some(lamp) if self.distance <= *radius => Emitter::Lamp(lamp),
+                    Some(lamp) if aimed == Some(lamp) || world.lamps[lamp].lights(self.coming.ray.origin, self.distance) => {
+                        Emitter::Lamp(lamp)
+                    }
                     _ if *radius < -1e-6 || self.distance <= *radius => Emitter::Hidden,
                     _ => Emitter::Glow,
                 };

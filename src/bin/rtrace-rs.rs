@@ -1,11 +1,11 @@
 //! rtrace-rs: renders RADIANCE scenes, with environment maps as light.
 
-use inverad::args::rtrace::{Arguments, defaults, explain, modifiers};
+use inverad::args::rtrace::{Arguments, FEATURES, defaults, explain, modifiers};
 use inverad::cal;
 use inverad::cli::rays::{Stream, answer};
 use inverad::cli::{self, Answer, Console, Disk, Outcome, Output, film, interrupted};
 use inverad::error::{Error, Result, Source};
-use inverad::rays::{Fields, Format, Teller};
+use inverad::rays::{Fields, Format, Teller, lengths};
 use inverad::render::{Film, Task, coverage, features, render};
 use inverad::resolve::Resolve;
 use inverad::rules::Rules;
@@ -20,9 +20,9 @@ fn main() -> ExitCode {
 }
 
 fn run(args: Arguments, console: &Console) -> Outcome<Answer> {
-    if args.defaults {
-        Output::whole(None, defaults(&args).as_bytes())?;
-        return Ok(Answer::Yes);
+    if args.defaults || args.features {
+        let text = if args.features { FEATURES.into() } else { defaults(&args) };
+        return Output::whole(None, text.as_bytes()).map(|()| Answer::Yes);
     }
     if args.explain {
         explain(&args).lines().for_each(|line| console.note(line));
@@ -33,6 +33,7 @@ fn run(args: Arguments, console: &Console) -> Outcome<Answer> {
     let disk = Disk::new(args.scene_options.commands, cal::shipped, console);
     let list = |file: &str| cli::list(&disk, file);
     let rules = args.light.rules(&list)?;
+    args.picture.possible()?;
     if args.view.words.is_empty() { rays(&args, &rules, &disk, &list, console) } else { picture(&args, &rules, &disk, console) }
 }
 
@@ -118,6 +119,9 @@ fn picture(args: &Arguments, rules: &Rules, disk: &Disk, console: &Console) -> O
         let covered = film::picture(&film, header, coverage(&task, &materials).into_iter().map(Vec3::splat));
         film::write(&covered, output, options.exr)?;
         return Ok(Answer::Yes);
+    }
+    if let Some(path) = &options.z {
+        Output::whole(Some(path), &film::depths(&lengths(&task)))?;
     }
     let rendering = render(&task, &mut |so_far| {
         console.progress(|| format!("{} samples a pixel, error {:.2} %", so_far.samples, 100.0 * so_far.noise));

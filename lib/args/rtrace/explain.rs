@@ -35,6 +35,11 @@ impl Said {
         }
     }
 
+    /// A line for what was given.
+    fn say(&mut self, name: &str, does: &str) {
+        let _ = writeln!(self.0, "{name}: {does}");
+    }
+
     /// A line for a switch, if it was given.
     fn switch(&mut self, name: &str, value: Option<bool>, on: &str, off: &str) {
         if let Some(value) = value {
@@ -98,22 +103,62 @@ impl Said {
 
     fn picture(&mut self, arguments: &Arguments) {
         let picture = &arguments.picture;
+        if arguments.view.words.is_empty() {
+            self.option("-x", picture.x, |x| match (x, picture.y) {
+                (0, _) => "answers are written as it suits".into(),
+                (x, None | Some(0)) => format!("{x} rays are answered before more are read"),
+                (x, Some(_)) => format!("{x} rays make a line of the picture"),
+            });
+            self.option("-y", picture.y, |y| match y {
+                0 => "all rays are answered".into(),
+                y => format!("the program ends after {y} lines of -x rays"),
+            });
+        } else {
+            self.say(&arguments.view.words.join(" "), "the view, as for rpict; a picture is rendered");
+            self.option("-x", picture.x, |_| "largest width in pixels".into());
+            self.option("-y", picture.y, |_| "largest height in pixels".into());
+        }
         self.option("-pa", picture.pa, |_| {
             "height of a pixel over its width, by which -x and -y are fitted to the view; 0: they stay as they are".into()
         });
         self.option("-pj", picture.pj, |j| format!("a pixel is sampled over {j} of its width (box filter)"));
         self.option("-pd", picture.pd, |_| "diameter of the lens; things are in focus at the length of -vd".into());
+        self.option("-z", picture.z.as_ref().map(|z| z.display()), |_| "the lengths of the pixels' central rays are written there".into());
+        for (given, name, does) in [
+            (picture.rgb, "-pRGB", "red, green and blue"),
+            (picture.xyz, "-pXYZ", "CIE X, Y and Z, times 179"),
+            (picture.luminance, "-pY", "luminance, times 179"),
+            (picture.scotopic, "-pS", "scotopic luminance"),
+            (picture.melanopic, "-pM", "melanopic luminance"),
+        ] {
+            if given {
+                self.say(name, does);
+            }
+        }
+        self.option("-pc", words(&picture.pc), |_| "RADIANCE's own primaries, as always".into());
     }
 
     fn rays(&mut self, arguments: &Arguments) {
         let rays = &arguments.rays;
+        if let Some(format) = &rays.format {
+            self.say(&format!("-f{format}"), "the form of the rays and of the answers");
+        }
+        if let Some(letters) = &rays.specifiers {
+            self.say(&format!("-o{letters}"), "what is said of each ray, letter by letter (see --help)");
+        }
         self.switch("-ld", rays.limit, "a ray ends where the vector of its direction does", "rays have no end");
         self.switch("-I", rays.point_irradiance, "irradiance at the point of each ray, on the side of its direction", "radiance");
         self.switch("-h", rays.header, "the answers have a header", "the answers have no header");
+        self.list("-te", &rays.exclude, "rays that meet it are not told of after -ot");
+        self.list("-tE", &rays.exclude_files, "rays that meet the modifiers listed there are not told of after -ot");
+        self.list("-ti", &rays.include, "rays that meet it are told of after -ot, others not");
+        self.list("-tI", &rays.include_files, "rays that meet the modifiers listed there are told of after -ot, others not");
+        self.list("-e", &arguments.definitions, "a definition that expressions in the scene may use");
+        self.list("-f", &arguments.function_files, "definitions that expressions in the scene may use");
     }
 
     fn tuning(&mut self, tuning: &Tuning) {
-        let Tuning { aa, ar, ad, r#as, aw, af, ps, pt, t, dt, dc, dp, ma, mg, ms, u, w, cs, cw, am, pm } = tuning;
+        let Tuning { aa, ar, ad, r#as, aw, af, ps, pt, t, dt, dc, dp, ma, mg, ms, u, w, cs, cw, am, pm, co, .. } = tuning;
         let cached = "nothing: indirect light is not interpolated, but computed where it is needed";
         self.option("-aa", *aa, |_| cached.into());
         self.option("-ar", *ar, |_| cached.into());
@@ -138,6 +183,7 @@ impl Said {
         self.option("-cs", *cs, |_| "three colours, as always".into());
         self.option("-cw", words(cw), |_| "nothing: there are three colours".into());
         self.switch("-u", *u, "nothing: --seed fixes every random choice", "nothing: --seed fixes every random choice");
+        self.switch("-co", *co, "nothing: there are three colours", "three colours, as always");
         self.switch("-w", *w, "warnings are shown", "warnings are not shown");
     }
 }
@@ -213,3 +259,30 @@ pub fn defaults(arguments: &Arguments) -> String {
     line(number("-lw", light.lw, "no limit, roulette"), "limit weight");
     out
 }
+
+/// RADIANCE's names of the features there are, a line each, as `rtrace -features` lists them.
+pub const FEATURES: &str = "\
+VirtualSources
+SecondarySources
+SourceSubsampling
+SourceVisibility
+AmbientModifierSelection
+PathTracing
+RussianRoulette
+LowDiscrepancySeq
+SpecularSampling
+MaterialMixtures
+Antimatter
+BackFaceVisibility
+ScatteringModels=WGMD,Ashikhmin-Shirley
+Instancing=Octree,TriangleMesh
+Aliases
+Multiprocessing
+IrradianceCalc
+ImmediateIrradiance
+DistanceLimiting
+InputFormats=a,f,d
+OutputFormats=a,f,d,c
+Outputs=o,d,v,V,w,W,l,L,c,p,n,N,s,m,M,r,x,R,X,~
+OutputCS=RGB,XYZ,Y,S,M
+";
