@@ -6,7 +6,8 @@ use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
 /// Two uniform environments of radiance 1 and 3 (in red; less in the others), at x = 0 and x = 1, and the sky they share.
-const UNIFORM: &str = "void glow a 0 0 4 1 .5 0 0\nvoid glow b 0 0 4 3 .5 1 0\na source sky 0 0 4 0 0 1 360\n#@probe 0 0 0 a\n#@probe 1 0 0 b\n";
+const UNIFORM: &str =
+    "void glow a 0 0 4 1 .5 0 0\nvoid glow b 0 0 4 3 .5 1 0\na source sky 0 0 4 0 0 1 360\n#@probe 0 0 0 a\n#@probe 1 0 0 b\n";
 
 /// A sky of radiance 1 + z/2, and one of 20 within a cone of cosine .9 about the zenith and .5 elsewhere, at x = 0 and x = 1.
 const SHAPED: &str = "void brightfunc pa 2 1+Dz/2 . 0 0 pa glow a 0 0 4 1 1 1 0\n\
