@@ -189,7 +189,7 @@ impl Report<'_> {
             return String::new();
         }
         let best = best(self.trail);
-        let mut out = format!("<section>\n<h2>How it was found</h2>\n<div class=\"courses\">\n");
+        let mut out = String::from("<section>\n<h2>How it was found</h2>\n<div class=\"courses\">\n");
         let chi2: Vec<(f64, Option<f64>)> = self.trail.iter().map(|m| (m.chi2.unwrap_or(f64::NAN), None)).collect();
         let course = |title, class, points, logarithmic| Course { title, class, points, best: &best, logarithmic, unit: self.unit };
         out += &course("chi-squared", "k", chi2, true).draw();

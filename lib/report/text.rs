@@ -1,7 +1,7 @@
 //! Words, numbers and pictures as a page holds them.
 
 use crate::error::Result;
-use crate::picture::png;
+use crate::picture::png::write;
 
 /// Text as HTML shows it, in an element or a quoted attribute. Characters that no page may hold are shown as replaced.
 pub fn escape(text: &str) -> String {
@@ -61,7 +61,7 @@ pub fn rounded(value: f64, error: Option<f64>) -> (String, Option<String>) {
 
 /// A picture as an address that holds it all.
 pub fn data_uri(width: usize, height: usize, pixels: &[[u8; 3]]) -> Result<String> {
-    Ok(format!("data:image/png;base64,{}", base64(&png::write(width, height, pixels)?)))
+    Ok(format!("data:image/png;base64,{}", base64(&write(width, height, pixels)?)))
 }
 
 /// RFC 4648, section 4.
