@@ -279,7 +279,7 @@ impl Place<'_> {
             material if !front && !self.rules.back_visible && material.backless() => layer.material = None,
             Material::Illum(_) if aimed.is_none() || aimed != self.found.lamp => {
                 // What gathers light has the illum's own light already; nor may one weak source light through another.
-                if front && (self.coming.gathered || aimed.is_some_and(|lamp| world.lamps[lamp].weak)) {
+                if front && aimed.map_or(self.coming.gathered, |lamp| world.lamps[lamp].weak) {
                     layer.emission = Some(Emission::BLACK);
                     return (self.out)(&layer);
                 }
@@ -290,8 +290,11 @@ impl Place<'_> {
             }
             Material::Mirror(_) => {
                 let relay = aimed.and_then(|lamp| world.lamps[lamp].relay).filter(|r| r.mirror == self.surface);
-                let seen = relay.is_some() || self.coming.gathered && front;
-                if let Some(chain) = named.alternate.filter(|_| !seen) {
+                // What gathers light has the mirror's own already, if its alternate holds back the light beyond.
+                let clear =
+                    |&chain: &ChainId| world.material_of(&world.chains[chain]).is_some_and(|named| named.material.nominally_transparent());
+                let own = self.coming.gathered && front;
+                if let Some(chain) = named.alternate.filter(|chain| relay.is_none() && (!own || clear(chain))) {
                     return self.walk(chain, fraction, Rgb::ONE, Vec3::ZERO);
                 }
                 layer.relay = relay.map(|r| r.lamp);
