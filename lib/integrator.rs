@@ -316,7 +316,9 @@ impl<'a, B: Clone> Integrator<'a, B> {
                     0.0 => 0.0,
                     aimed => s.lamps * s.density / (s.density + aimed),
                 },
-                Emitter::Environment if s.shared > 0.0 => s.density / (s.density + s.shared * self.world.environment_pdf(s.direction)),
+                Emitter::Environment if s.shared > 0.0 => {
+                    s.density / (s.density + s.shared * self.world.environment_pdf(s.origin, s.direction))
+                }
                 Emitter::Environment | Emitter::Glow => 1.0,
                 Emitter::Hidden => 0.0,
             },

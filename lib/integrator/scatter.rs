@@ -310,7 +310,7 @@ impl<B: Clone> Integrator<'_, B> {
             return;
         }
         let u = self.draw(at);
-        let Some((direction, pdf)) = self.world.sample_environment(u) else { return };
+        let Some((direction, pdf)) = self.world.sample_environment(at.ray.origin, u) else { return };
         let wi = vertex.surface.bsdf().to_local(direction);
         let beta = transport.aimed(&at.beta, &vertex.surface, wi, Arriving::Indirect, ways.aimed * pdf, &ways.counts);
         self.shadow(transport, at, vertex.layer, beta, (direction, f64::INFINITY), Emitter::Environment);

@@ -433,10 +433,15 @@ impl<'a> Builder<'a> {
         let [x, y, z, name] = &annotation.arguments[..] else { return Err(wrong()) };
         let number = |word: &String| word.parse::<f64>().ok().filter(|v| v.is_finite()).ok_or_else(wrong);
         let place = Vec3::new(number(x)?, number(y)?, number(z)?);
-        let Some(glow) = self.find(name, self.definitions.len()) else {
-            return Err(annotation.span.error(format!("no glow `{name}` is defined")));
+        let material = self.find(name, self.definitions.len()).map(|glow| self.chain(Some(glow))).transpose()?;
+        let source = self.scene.sources.iter().find(|s| s.name == *name).map(|s| s.chain);
+        let glows = |chain: &ChainId| match self.scene.chains[*chain].end {
+            End::Material(m) => matches!(self.scene.materials[m].material, Material::Glow(..)),
+            _ => false,
         };
-        let chain = self.chain(Some(glow))?;
+        let Some(chain) = material.into_iter().chain(source).find(glows) else {
+            return Err(annotation.span.error(format!("`{name}` is no glow: a probe names the glow of the environment measured there")));
+        };
         self.scene.probes.push((place, chain));
         Ok(())
     }

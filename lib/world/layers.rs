@@ -102,15 +102,24 @@ impl World {
 
     /// What a distant source emits. An illum that was not aimed at is its alternate.
     fn shine(&self, source: &Source, origin: Vec3, direction: Vec3, aimed: bool, gathered: bool) -> Option<Emission> {
-        let (mut chain, mut lamp) = (&self.chains[source.chain], source.lamp);
-        let mut material = self.material_of(chain)?;
+        if let (None, Some(probes)) = (source.lamp, &self.probes) {
+            return probes.emission(self, origin, direction);
+        }
+        let (mut chain, mut lamp) = (source.chain, source.lamp);
+        let material = self.material_of(&self.chains[chain])?;
         if let (Material::Illum(_), false) = (&material.material, aimed) {
             if gathered {
                 return None;
             }
-            (chain, lamp) = (&self.chains[material.alternate?], None);
-            material = self.material_of(chain)?;
+            (chain, lamp) = (material.alternate?, None);
         }
+        self.emitted(chain, lamp, origin, direction)
+    }
+
+    /// What a chain emits as a distant source, which is `lamp` if it is one.
+    pub(super) fn emitted(&self, chain: ChainId, lamp: Option<usize>, origin: Vec3, direction: Vec3) -> Option<Emission> {
+        let chain = &self.chains[chain];
+        let material = self.material_of(chain)?;
         let (pattern, _) = apply(&chain.links, &At::distant(direction, origin), Rgb::ONE, Vec3::ZERO);
         Some(match &material.material {
             Material::Glow(radiance, radius) => {
