@@ -51,6 +51,8 @@ pub struct Coming<'a> {
     pub primary: bool,
     /// Whether it gathers indirect light: a diffuse or rough scattering was on its way.
     pub gathered: bool,
+    /// Whether it gathers diffuse light, which goes straight through textures.
+    pub ambient: bool,
     /// Its state among antimatter.
     pub clip: Option<&'a Clip>,
 }
@@ -307,7 +309,7 @@ impl Place<'_> {
                     return self.walk(chain, fraction, Rgb::ONE, Vec3::ZERO);
                 }
                 layer.relay = relay.map(|r| r.lamp);
-                if layer.relay.is_some() || self.coming.gathered {
+                if layer.relay.is_some() || self.coming.ambient {
                     layer.point = self.point(Some(named), front, Vec3::ZERO);
                 }
             }
@@ -365,8 +367,8 @@ impl Place<'_> {
         if perturbation.length_squared() > 1e-12 {
             point.perturbation = perturbation * side;
             point.flat = false;
-            // Light that is gathered, or looked for, goes straight through a texture.
-            point.bends = !self.coming.gathered && self.coming.aim.is_none();
+            // Light that is gathered by all of a hemisphere, or looked for, goes straight through a texture.
+            point.bends = !self.coming.ambient && self.coming.aim.is_none();
             if let Some(mut shading) = (geometric + point.perturbation).try_normalize() {
                 // A normal that is bent away from the viewer is turned back (semantics 3.2).
                 if shading.dot(to_viewer) <= 0.0 {
