@@ -254,6 +254,7 @@ impl<'a, B: Clone> Integrator<'a, B> {
                         aim: segment.aim,
                         primary: segment.exact && segment.level == 0 && segment.scattered.is_none() && segment.aim.is_none(),
                         gathered: segment.gathers(),
+                        ambient: segment.bounces > 0 || segment.aim == Some(Emitter::Environment),
                         clip: segment.clip.as_deref(),
                     };
                     self.outcome.surface |= segment.travelled == 0.0;
@@ -296,6 +297,7 @@ impl<'a, B: Clone> Integrator<'a, B> {
             travelled: segment.travelled + t,
             beta,
             weight,
+            medium: *medium,
             ..segment.clone()
         };
         match (&layer.emission, layer.material.is_some()) {

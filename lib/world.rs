@@ -34,6 +34,8 @@ pub struct World {
     /// Environments that were measured at places: they are the sky then.
     probes: Option<Probes>,
     transparent: bool,
+    /// Whether there are surfaces that bend what passes them, but not what is aimed.
+    bends: bool,
     /// For each chain, whether the surfaces that bear it gather indirect light; empty if all do.
     gathers: Vec<bool>,
     /// For each chain, whether antimatter removes it; empty without antimatter.
@@ -150,6 +152,11 @@ impl World {
     /// Whether anything lets light through in a single direction, so that shadow rays are paths.
     pub fn transparent(&self) -> bool {
         self.transparent
+    }
+
+    /// Whether some surfaces bend what passes them, but not what is aimed through them.
+    pub fn bends(&self) -> bool {
+        self.bends
     }
 
     /// The materials by name.

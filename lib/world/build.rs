@@ -10,7 +10,7 @@ use crate::geometry::{LightShape, Plane};
 use crate::light::{self, Lamp, Relay};
 use crate::material::Material;
 use crate::rules::Rules;
-use crate::scene::{self, ChainId, Distant, End, Form, Scene};
+use crate::scene::{self, Chain, ChainId, Distant, End, Form, Link, Scene};
 use crate::vector::Vec3;
 use std::collections::HashMap;
 use std::f64::consts::PI;
@@ -48,6 +48,7 @@ impl World {
             environment: None,
             probes: None,
             transparent: !rules.back_visible,
+            bends: false,
             gathers: Vec::new(),
             removable: Vec::new(),
             scale: 1.0,
@@ -112,6 +113,8 @@ impl World {
             return Ok(None);
         }
         self.transparent |= chains.iter().any(|&c| self.passes(c));
+        let smooth = matches!(&surface.form, Form::Mesh(mesh, _) if !mesh.normals.is_empty());
+        self.bends |= chains.iter().any(|&c| self.bends_passing(c, smooth));
         let ranks = chains.iter().map(|&c| self.rank(c)).collect();
         let (geometry, body) = match &surface.form {
             Form::Shape(shape) => (Geometry::Shape(shape.clone()), Body::Shape(shape.flat())),
@@ -156,6 +159,20 @@ impl World {
             End::Void => true,
             End::Material(m) => self.materials[m].material.passes(),
             End::Mixture(_, fore, back) => self.passes(fore) || self.passes(back),
+        }
+    }
+
+    /// Whether a surface of this chain, `textured` or with a texture of its own, bends what passes.
+    fn bends_passing(&self, chain: ChainId, textured: bool) -> bool {
+        let Chain { links, end, .. } = &self.chains[chain];
+        let textured = textured || links.iter().any(|link| !matches!(link, Link::Pattern(_)));
+        match end {
+            End::Void => false,
+            End::Material(m) => {
+                let named = &self.materials[*m];
+                textured && named.material.bends() || named.alternate.is_some_and(|chain| self.bends_passing(chain, false))
+            }
+            End::Mixture(_, fore, back) => [fore, back].into_iter().any(|&side| self.bends_passing(side, textured)),
         }
     }
 
