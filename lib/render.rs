@@ -164,10 +164,12 @@ pub fn render(task: &Task, stop: &(dyn Fn() -> bool + Sync), show: &mut dyn FnMu
         !over() && rendering.pixels.iter().any(|p| !p.exact)
     };
 
-    // Should there be no time for every pixel, a coarser picture is better than a part of one.
-    for step in COARSE {
-        task.round(&mut rendering.pixels, &|number| task.among_first(if task.is_on_grid(number, step) { 1 } else { 0 }), &over);
-    }
+    // Should there be no time for every pixel, a coarser picture is better than a part of one, or none.
+    let coarse = |pixels: &mut [Pixel], step: usize, over: &(dyn Fn() -> bool + Sync)| {
+        task.round(pixels, &|number| task.among_first(task.is_on_grid(number, step) as u32), over);
+    };
+    coarse(&mut rendering.pixels, COARSE[0], stop);
+    COARSE[1..].iter().for_each(|&step| coarse(&mut rendering.pixels, step, &over));
     let fixed = if let Budget::Samples(samples) = task.budget { Some(samples) } else { None };
     let good = |rendering: &Rendering| matches!(task.budget, Budget::Error(error) if reached(&rendering.noise, error));
     let uniform = fixed.unwrap_or(PILOT);
