@@ -195,6 +195,9 @@ struct Scattered {
 /// Below this weight a path goes on by roulette; one that nothing was left to chance for yet, below the second.
 const ROULETTE: f64 = 0.1;
 const EXACT_ROULETTE: f64 = 0.001;
+/// After this many reflections each further one is survived with this probability only: light can be caught in glass for good.
+const MANY: i32 = 24;
+const PATIENCE: f64 = 0.8;
 
 impl<'a, B: Clone> Integrator<'a, B> {
     /// An integrator for a world and rules.
@@ -285,9 +288,9 @@ impl<'a, B: Clone> Integrator<'a, B> {
         transport.meet(&beta, layer);
         let medium = layer.behind.as_ref().unwrap_or(&segment.medium);
         transport.absorb(&mut beta, medium, t);
-        // RADIANCE's weight reckons with a strong medium.
+        // RADIANCE's weight reckons with a strong medium only.
         let dimmed = medium.extinction.min_element() * t;
-        if dimmed > 0.1 {
+        if dimmed > 0.1 || dimmed > 0.0 && !self.rules.limited() {
             weight *= (-dimmed).exp();
         }
         let onward = Segment {

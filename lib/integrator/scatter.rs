@@ -1,6 +1,6 @@
 //! How a path goes on from a surface: in single directions, by samples of its rough parts, aimed at lamps and at the environment.
 
-use super::{EXACT_ROULETTE, Integrator, Kind, ROULETTE, Scattered, Scattering, Segment, Transport};
+use super::{EXACT_ROULETTE, Integrator, Kind, MANY, PATIENCE, ROULETTE, Scattered, Scattering, Segment, Transport};
 use crate::bsdf::{Arriving, Bsdf, Delta, Part};
 use crate::color::Rgb;
 use crate::geometry::Ray;
@@ -174,7 +174,7 @@ impl<B: Clone> Integrator<'_, B> {
     /// What a way that carries `carried` and is taken with probability `share` multiplies the weight of a path with: where RADIANCE's limits
     /// are given, what it does there; else what the throughput is on the average multiplied with.
     fn factor(&self, carried: f64, share: f64) -> f64 {
-        if self.rules.limit_weight.is_some() || self.rules.limit_reflections.is_some() { carried } else { carried / share }
+        if self.rules.limited() { carried } else { carried / share }
     }
 
     /// Sends a path on from a rough surface.
@@ -247,14 +247,15 @@ impl<B: Clone> Integrator<'_, B> {
                 least.unwrap_or(if next.exact { EXACT_ROULETTE } else { ROULETTE })
             }
         };
-        if next.weight < least {
-            let survival = next.weight / least;
+        let patience = if reflected && next.level > MANY && !self.rules.limited() { PATIENCE } else { 1.0 };
+        let survival = patience * (next.weight / least).min(1.0);
+        if survival < 1.0 {
             self.outcome.random = true;
             if !(next.sampler.single() < survival) {
                 return;
             }
             transport.scale(&mut next.beta, Rgb::splat(1.0 / survival));
-            next.weight = least;
+            next.weight = next.weight.max(least);
         }
         self.stack.push(next);
     }
