@@ -1,6 +1,9 @@
 //! rparse as a program and the rooms behind it: round trips, recorded answers of RADIANCE's programs, and RADIANCE itself over many
 //! real files where both are there.
 
+#[path = "corpus/files.rs"]
+mod files;
+
 use inverad::error::Source;
 use inverad::expand::{Flat, expand};
 use inverad::rad::{Document, Primitive};
@@ -100,6 +103,14 @@ fn commands_run_only_when_allowed() {
     let (status, output, _) = rparse(directory.path(), &["--commands", "allow"], scene);
     assert_eq!((status, output.as_slice()), (0, &b"void plastic p\n0\n0\n0\n\n"[..]));
     assert!(directory.path().join("pwned").exists());
+    fs::remove_file(directory.path().join("pwned")).unwrap();
+    fs::write(directory.path().join("scene.rad"), scene).unwrap();
+    for (more, wanted) in [(&[][..], 2), (&["--commands", "deny"], 2), (&["--commands", "allow"], 0)] {
+        let mut render = Command::new(env!("CARGO_BIN_EXE_rtrace-rs"));
+        let output = run(render.args(["-h", "scene.rad"]).args(more).current_dir(directory.path()).env_remove("RAD_COMMANDS"), b"");
+        assert_eq!(output.status.code(), Some(wanted), "{}", String::from_utf8_lossy(&output.stderr));
+        assert_eq!(directory.path().join("pwned").exists(), wanted == 0);
+    }
     assert_eq!(rparse(directory.path(), &["--commands", "deny"], b"!echo void plastic p 0 0 0\n").0, 2);
 }
 
@@ -196,23 +207,6 @@ fn recorded_answers_of_xform_and_the_generators_are_met() {
     }
 }
 
-/// The directory of real scene files, if it is there.
-fn corpus() -> Option<PathBuf> {
-    let shared = std::env::var_os("INVERAD_SHARED").map_or(Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared"), PathBuf::from);
-    Some(shared.join("corpus")).filter(|path| path.is_dir())
-}
-
-fn scene_files(directory: &Path, found: &mut Vec<PathBuf>) {
-    for entry in fs::read_dir(directory).unwrap() {
-        let path = entry.unwrap().path();
-        if path.is_dir() {
-            scene_files(&path, found);
-        } else if path.extension().is_some_and(|e| e == "rad" || e == "mat" || e == "sky") {
-            found.push(path);
-        }
-    }
-}
-
 /// What comparing one file came to.
 enum Verdict {
     Agrees,
@@ -251,13 +245,7 @@ fn compare(path: &Path) -> Verdict {
 
 #[test]
 fn real_files_are_read_as_radiance_reads_them() {
-    let Some(corpus) = corpus() else { return eprintln!("skipped: no corpus of scene files (INVERAD_SHARED, ../shared)") };
-    if ["oconv", "xform"].iter().any(|program| Command::new(program).stdin(Stdio::null()).output().is_err()) {
-        return eprintln!("skipped: oconv and xform are not on PATH");
-    }
-    let mut files = Vec::new();
-    scene_files(&corpus, &mut files);
-    files.sort();
+    let Some((corpus, files)) = files::corpus(&["oconv", "xform"]) else { return };
     let verdicts: Vec<(&PathBuf, Verdict)> = files.par_iter().map(|path| (path, compare(path))).collect();
     let count = |wanted: fn(&Verdict) -> bool| verdicts.iter().filter(|(_, v)| wanted(v)).count();
     let (agree, differ) = (count(|v| matches!(v, Verdict::Agrees)), count(|v| matches!(v, Verdict::Differs(_))));

@@ -316,10 +316,10 @@ impl<'a> Builder<'a> {
             return Err(Unresolved::Unsupported(unsupported(primitive)));
         };
         let alternate = match (&material, primitive.strings.first().map(String::as_str)) {
-            (Material::Antimatter, Some("void")) => None,
+            // An unknown name removes nothing, and shades nothing.
             (Material::Antimatter, Some(name)) => match self.find(name, order as usize) {
                 Some(found) => Some(self.chain(Some(found))?),
-                None => return Err(primitive.string_error(0, format!("no modifier `{name}` is defined before this")).into()),
+                None => None,
             },
             (Material::Illum(_) | Material::Mirror(_), Some(name)) => {
                 let found = if name == "void" { None } else { Some(self.late(primitive, 0, order)?) };
@@ -329,10 +329,13 @@ impl<'a> Builder<'a> {
         };
         let mut removes = Vec::new();
         if let Material::Antimatter = material {
-            for name in primitive.strings.iter().filter(|name| *name != "void") {
+            for (i, name) in primitive.strings.iter().enumerate().filter(|(_, name)| *name != "void") {
                 match self.find(name, order as usize) {
                     Some(found) => removes.push(self.chain(Some(found))?),
-                    None => self.scene.warnings.push(format!("antimatter `{}`: no modifier `{name}` is defined before it", primitive.name)),
+                    None => self
+                        .scene
+                        .warnings
+                        .push(primitive.string_error(i, format!("no modifier `{name}` is defined before this antimatter")).remark()),
                 }
             }
         }
