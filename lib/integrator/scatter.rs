@@ -23,8 +23,6 @@ struct Ways {
     share: [f64; 6],
     /// The one that is taken; all if `None`.
     chosen: Option<usize>,
-    /// The expected number of directions aimed at the environment.
-    aimed: f64,
 }
 
 impl Ways {
@@ -67,7 +65,7 @@ impl<B: Clone> Integrator<'_, B> {
     /// How to go on from a surface: in every way there is while nothing was left to chance, else in one, chosen in proportion to what it carries.
     fn ways<T: Transport<Beta = B>>(&mut self, transport: &mut T, at: &mut Segment<B>, vertex: &Vertex<T::Surface>) -> Ways {
         let surface = &vertex.surface;
-        let mut ways = Ways { weights: surface.weights(), counts: [0.0; 4], share: [1.0; 6], chosen: None, aimed: 1.0 };
+        let mut ways = Ways { weights: surface.weights(), counts: [0.0; 4], share: [1.0; 6], chosen: None };
         if at.bounces >= self.rules.ambient_bounces || !vertex.layer.gathers {
             for side in 0..2 {
                 if std::mem::take(&mut ways.weights[side]) > 0.0 && self.rules.ambient_value != Rgb::ZERO {
@@ -84,12 +82,10 @@ impl<B: Clone> Integrator<'_, B> {
                 ways.chosen = Some(self.choose(at, &ways.share));
             }
         }
-        let (rates, aimed) = surface.rates();
-        ways.aimed = if at.exact { aimed } else { 1.0 };
         for part in Part::ALL {
             let k = part as usize;
             if ways.weights[k] > 0.0 && self.spread(part, surface.bsdf()).is_none() {
-                ways.counts[k] = if at.exact { rates[k] } else { ways.share[2 + k] / surface.ways(part) as f64 };
+                ways.counts[k] = if at.exact { 1.0 } else { ways.share[2 + k] / surface.ways(part) as f64 };
             }
         }
         ways
@@ -138,7 +134,7 @@ impl<B: Clone> Integrator<'_, B> {
     ) {
         let (k, surface) = (part as usize, &vertex.surface);
         let next = At { part, weight: self.factor(ways.weights[k], ways.share[2 + k]), layer: vertex.layer };
-        let mut from = Scattered { origin: at.ray.origin, direction: Vec3::ZERO, density: 0.0, lamps: 0.0, shared: 0.0 };
+        let mut from = Scattered { origin: at.ray.origin, direction: Vec3::ZERO, density: 0.0, lamps: 0.0, shared: false };
         if let Some(spread) = self.spread(part, surface.bsdf()) {
             let mut sampler = at.sampler.fork();
             if let Some((wi, color)) = surface.bsdf().unweighted(part, spread, &mut sampler) {
@@ -153,12 +149,8 @@ impl<B: Clone> Integrator<'_, B> {
         }
         let count = surface.ways(part);
         let only = if at.exact || count == 1 { None } else { Some(((self.draw(at)[0] * count as f64) as usize).min(count - 1)) };
-        from.shared = ways.aimed;
+        from.shared = true;
         for way in (0..count).filter(|&w| only.is_none_or(|o| o == w)) {
-            // A part that is not worth a sample each time gets one now and then.
-            if at.exact && ways.counts[k] < 1.0 && self.draw(at)[0] >= ways.counts[k] {
-                continue;
-            }
             let u = self.draw(at);
             let Some(wi) = surface.sample(part, way, u) else { continue };
             from.direction = surface.bsdf().to_world(wi);
@@ -223,7 +215,7 @@ impl<B: Clone> Integrator<'_, B> {
         if delta.reflected
             && let Some(s) = &mut next.scattered
         {
-            (s.lamps, s.shared) = (0.0, 0.0);
+            (s.lamps, s.shared) = (0.0, false);
         }
         let weight = self.factor(delta.coefficient.max_element(), share);
         self.push(transport, next, weight, delta.reflected);
@@ -307,13 +299,10 @@ impl<B: Clone> Integrator<'_, B> {
         if ways.counts == [0.0; 4] || !self.world.has_environment() {
             return;
         }
-        if ways.aimed < 1.0 && self.draw(at)[0] >= ways.aimed {
-            return;
-        }
         let u = self.draw(at);
         let Some((direction, pdf)) = self.world.sample_environment(u) else { return };
         let wi = vertex.surface.bsdf().to_local(direction);
-        let beta = transport.aimed(&at.beta, &vertex.surface, wi, Arriving::Indirect, ways.aimed * pdf, &ways.counts);
+        let beta = transport.aimed(&at.beta, &vertex.surface, wi, Arriving::Indirect, pdf, &ways.counts);
         self.shadow(transport, at, vertex.layer, beta, (direction, f64::INFINITY), Emitter::Environment);
     }
 
