@@ -134,15 +134,17 @@ impl Recovery {
 }
 
 impl Evidence<'_> {
-    /// The pixels that show the unknown, and count; errors if there is none.
+    /// The pixels that show the unknown, and count; errors if there is none. In an illumination field it must cover them wholly.
     pub fn pixels(&self, unknown: &Unknown, material: MaterialId) -> Result<Vec<usize>> {
         let lens = self.film.lens();
+        let shows = |n: usize, at: [f64; 2]| {
+            lens(n, at).is_some_and(|(origin, direction, _)| self.world.shows(&Ray { origin, direction }, material))
+        };
+        let grid = |count: usize, from: f64| (0..count * count).map(move |k| [k % count, k / count].map(|i| i as f64 / 4.0 + from));
         let shown = |n: &usize| {
             self.mask.is_none_or(|mask| mask[*n] > 0.0)
-                && (0..16).any(|k| {
-                    let at = [(k % 4) as f64 / 4.0 + 0.125, (k / 4) as f64 / 4.0 + 0.125];
-                    lens(*n, at).is_some_and(|(origin, direction, _)| self.world.shows(&Ray { origin, direction }, material))
-                })
+                // What is seen behind the unknown is not in an illumination field: only pixels that it covers to their corners count.
+                && if self.world.has_field() { grid(5, 0.0).all(|at| shows(*n, at)) } else { grid(4, 0.125).any(|at| shows(*n, at)) }
         };
         let pixels: Vec<usize> = (0..self.film.width * self.film.height).into_par_iter().filter(shown).collect();
         if pixels.is_empty() {
