@@ -19,6 +19,7 @@ pub mod exec;
 pub mod film;
 pub mod photo;
 pub mod rays;
+pub mod report;
 pub mod search;
 
 mod disk;

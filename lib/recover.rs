@@ -39,14 +39,16 @@ pub struct Evidence<'a> {
 }
 
 /// How hard to try.
-#[derive(Clone, Copy, Debug)]
-pub struct Effort {
+#[derive(Clone, Copy)]
+pub struct Effort<'a> {
     /// Fixes every random choice.
     pub seed: u64,
     /// When to end, if not when the noise of the rendering hardly matters any more.
     pub until: Option<Instant>,
     /// The standard error that every value is to have, if not what the picture allows.
     pub tolerance: Option<f64>,
+    /// Who is told what each round found.
+    pub told: &'a (dyn Fn(&Recovery) + Sync),
 }
 
 /// What was found.
@@ -66,7 +68,7 @@ pub struct Recovery {
     pub losses: Vec<f64>,
 }
 
-impl Effort {
+impl Effort<'_> {
     /// Whether the time is over.
     fn late(&self) -> bool {
         self.until.is_some_and(|until| Instant::now() >= until)
@@ -129,7 +131,7 @@ impl Seeds {
 impl Recovery {
     /// The standard error of each value.
     pub fn errors(&self) -> Vec<f64> {
-        (0..self.values.len()).map(|i| self.covariance.at(i, i).max(0.0).sqrt()).collect()
+        self.covariance.deviations()
     }
 }
 

@@ -13,6 +13,7 @@ use crate::picture::Picture;
 use crate::rad::{Class, Primitive};
 use crate::recover::Evidence;
 use crate::render::{Budget, Film, Task, render};
+use crate::report::{Setting, Views};
 use crate::rules::Rules;
 use crate::scene::{MaterialId, Scene};
 use crate::unknown::Unknown;
@@ -84,6 +85,31 @@ impl<'a> Photo<'a> {
         Evidence { world: &self.world, rules: &self.rules, film: &self.film, target: &self.target, mask: self.mask.as_deref() }
     }
 
+    /// What is unknown in it.
+    pub fn unknown(&self) -> &Unknown {
+        self.unknown
+    }
+
+    /// The scene, for any numbers of the unknown.
+    fn setting(&self) -> Setting<'_> {
+        Setting { flat: &self.flat, place: self.place, rules: &self.rules, resolve: &self.disk, seed: self.seed }
+    }
+
+    /// What there is to see when the parameters have these values.
+    pub fn views(&self, values: &[f64]) -> Result<Views> {
+        let (setting, reals) = (self.setting(), self.unknown.reals(values));
+        let pixels = self.evidence().pixels(self.unknown, self.material)?;
+        let mut counts = vec![0.0; self.target.pixels.len()];
+        pixels.iter().for_each(|&n| counts[n] = self.mask.as_ref().map_or(1.0, |mask| mask[n]));
+        Ok(Views {
+            target: self.target.clone(),
+            rendering: setting.picture(&setting.world(&reals)?, &self.rules, &self.film, None),
+            counts,
+            lamp: setting.under_a_lamp(&reals)?,
+            there: setting.in_its_place(&reals, &self.world, self.material, &self.film, &pixels)?,
+        })
+    }
+
     /// Which material of the scene is the unknown.
     pub fn material(&self) -> MaterialId {
         self.material
@@ -109,9 +135,7 @@ impl<'p, 'a> Direct<'p, 'a> {
 impl Objective for Direct<'_, '_> {
     fn chi2(&mut self, values: &[f64], _: usize) -> Result<f64> {
         let photo = self.photo;
-        let mut flat = photo.flat.clone();
-        flat.primitives[photo.place].reals = photo.unknown.reals(values);
-        let world = World::new(Scene::new(&flat, &photo.disk, false)?, &photo.rules)?;
+        let world = photo.setting().world(&photo.unknown.reals(values))?;
         let lens = photo.film.lens();
         let rendering = render(
             &Task {

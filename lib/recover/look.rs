@@ -49,8 +49,8 @@ pub struct Look<'a> {
     pub sheet: &'a Sheet<'a>,
     /// Bounds of the parameters.
     pub bounds: &'a [(f64, f64)],
-    /// When it is enough.
-    pub effort: &'a Effort,
+    /// When it is enough, and who is told what each round finds.
+    pub effort: &'a Effort<'a>,
 }
 
 impl Look<'_> {
@@ -77,6 +77,7 @@ impl Look<'_> {
             };
             let found;
             (found, shares) = self.fit(model, &basis, &best);
+            (self.effort.told)(&found);
             let strayed = model.trusted(&found.values) != found.values;
             let spent = self.effort.tolerance.is_none() && total * shares.len() as f64 * model.cost() >= BUDGET;
             if strayed || spent || round == ROUNDS || self.effort.contents(&found, before.as_ref()) {

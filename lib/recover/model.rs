@@ -13,6 +13,20 @@ pub struct Kind {
     pub anisotropic: bool,
 }
 
+impl Kind {
+    /// The kind that a type is; `None` if it is none of them.
+    pub fn named(name: &str) -> Option<Self> {
+        let (stem, anisotropic) = name.strip_suffix('2').map_or((name, false), |stem| (stem, true));
+        let kind = |metal, transmits| Some(Self { metal, transmits, anisotropic });
+        match stem {
+            "plastic" => kind(false, false),
+            "metal" => kind(true, false),
+            "trans" => kind(false, true),
+            _ => None,
+        }
+    }
+}
+
 /// The coefficients of the four parts for the real arguments `a`, each for red, green and blue (semantics 3.3: the partition of what is not
 /// absorbed).
 pub fn parts(kind: Kind, a: &[f64]) -> [[f64; 3]; 4] {

@@ -124,7 +124,7 @@ pub fn recover(
     tell: &dyn Fn(&str),
 ) -> Result<Recovery> {
     let name = unknown.material().kind.as_str();
-    let kind = Kind { metal: name.starts_with("metal"), transmits: name.starts_with("trans"), anisotropic: name.ends_with('2') };
+    let kind = Kind::named(name).ok_or_else(|| unknown.material().error(format!("{name} is not a rough material")))?;
     let nodes = if kind.anisotropic { ANISOTROPIC_NODES } else { NODES };
     let bounds: Vec<(f64, f64)> = unknown.parameters().iter().map(|p| (p.low, p.high)).collect();
     let mut seeds = Seeds::new(effort.seed);
@@ -132,7 +132,7 @@ pub fn recover(
     // A first look at all roughnesses, by some of the pixels.
     tell("first look");
     let step = pixels.len().div_ceil(FIRST_PIXELS) as u64;
-    let some: Vec<usize> = pixels.iter().copied().filter(|&p| mix64(p as u64) % step == 0).collect();
+    let some: Vec<usize> = pixels.iter().copied().filter(|&p| mix64(p as u64).is_multiple_of(step)).collect();
     let sheet = Sheet::new(evidence, if some.is_empty() { pixels } else { &some });
     let known = roughness(kind, &unknown.material().reals);
     let range = |axis: usize| {
