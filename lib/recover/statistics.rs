@@ -48,7 +48,7 @@ impl<'a> Sheet<'a> {
         self.mean(values, reach, true)
     }
 
-    /// The same without the pixel itself.
+    /// The same without the pixel itself, unless it is alone.
     fn around(&self, values: &[[f64; 3]], reach: isize) -> Vec<[f64; 3]> {
         self.mean(values, reach, false)
     }
@@ -67,7 +67,7 @@ impl<'a> Sheet<'a> {
                     }
                 }
             }
-            sum.map(|s| if count > 0.0 { s / count } else { 0.0 })
+            if count > 0.0 { sum.map(|s| s / count) } else { values[self.places[n] as usize] }
         };
         self.numbers.iter().map(mean).collect()
     }
@@ -84,25 +84,27 @@ impl<'a> Sheet<'a> {
         self.blurred(&target, 2).into_iter().enumerate().map(|(i, t)| self.masked(i, t.map(|v| (v + floor).powi(-2)))).collect()
     }
 
-    /// The variance of one sample of each pixel, with what its neighbours say of it. `halves` are two independent estimates, of `samples`
-    /// samples each. Glints make it differ by orders of magnitude from pixel to pixel, so the pixel itself must have a say in it.
+    /// The variance of one sample of each pixel, by what its neighbours say. `halves` are two independent estimates, of `samples` samples each.
+    /// The pixel itself has no say: a weight that went by its own noise would favour what is too dark by chance.
     pub fn variance(&self, halves: &[Half], samples: &[f32]) -> Vec<[f64; 3]> {
         let own = |(i, &n): (usize, &f32)| std::array::from_fn(|c| 0.5 * (halves[0][i][c] - halves[1][i][c]).powi(2) * n as f64);
-        self.blurred(&samples.iter().enumerate().map(own).collect::<Vec<_>>(), 1)
+        self.around(&samples.iter().enumerate().map(own).collect::<Vec<_>>(), 1)
     }
 
     /// Weights that go by the variance of a sample.
     pub fn by_variance(&self, halves: &[Half], variance: &[[f64; 3]], samples: &[f32]) -> Channels {
         let mean: Vec<[f64; 3]> = halves[0].iter().zip(&halves[1]).map(|(a, b)| std::array::from_fn(|c| 0.5 * (a[c] + b[c]))).collect();
-        let mean = self.blurred(&mean, 2);
+        let mean = self.around(&mean, 2);
         let floor = (0.01 * self.level).powi(2);
         let photographed = self.samples(halves, variance);
         let weight = |i: usize| {
-            let share = 1.0 / photographed + 0.5 / samples[i] as f64;
+            let own = 0.5 / samples[i] as f64;
+            let share = 1.0 / photographed + own;
             let weight: [f64; 3] = std::array::from_fn(|c| 1.0 / (variance[i][c] * share + (MISFIT * mean[i][c]).powi(2) + floor));
             let rest = |c: usize, half: usize| self.target[i][c] as f64 - halves[half][i][c];
-            let off = (0..3).map(|c| weight[c] * rest(c, 0) * rest(c, 1)).sum::<f64>() / (3.0 * OUTLIER.powi(2));
-            self.masked(i, weight.map(|w| w / off.max(1.0).sqrt()))
+            let off = (0..3).map(|c| weight[c] * rest(c, 0) * rest(c, 1)).sum::<f64>() / 3.0;
+            let limit = (OUTLIER * (1.0 + OWN * own * photographed)).powi(2);
+            self.masked(i, weight.map(|w| w / (off / limit).max(1.0).sqrt()))
         };
         (0..self.numbers.len()).map(weight).collect()
     }
@@ -127,6 +129,8 @@ const TARGET_SAMPLES: (f64, f64) = (4.0, 1000.0);
 /// How many standard errors a pixel may be off and count fully. Where few samples have missed what glints now and then, its variance is
 /// underrated; beyond this its pull does not grow (Huber 1964).
 const OUTLIER: f64 = 4.0;
+/// How much further off it may be per unit of the rendering's variance in terms of the photograph's: what both halves missed is no outlier.
+const OWN: f64 = 5.0;
 /// And the relative misfit of a perfect photograph.
 const MISFIT: f64 = 0.01;
 
