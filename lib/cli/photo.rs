@@ -88,6 +88,14 @@ impl<'a> Photo<'a> {
     pub fn material(&self) -> MaterialId {
         self.material
     }
+
+    /// Puts another material into the place of the unknown.
+    pub fn take_for(&mut self, material: &Primitive) -> Result<()> {
+        self.flat.primitives[self.place].clone_from(material);
+        self.world = World::new(Scene::new(&self.flat, &self.disk, false)?, &self.rules)?;
+        self.world.unknown = Some(self.material);
+        Ok(())
+    }
 }
 
 /// Renders the pixels that count anew for every candidate.

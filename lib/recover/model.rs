@@ -13,6 +13,14 @@ pub struct Kind {
     pub anisotropic: bool,
 }
 
+impl Kind {
+    /// The rough material of RADIANCE's name; `None` for what is not one.
+    pub fn named(name: &str) -> Option<Self> {
+        let kind = Self { metal: name.starts_with("metal"), transmits: name.starts_with("trans"), anisotropic: name.ends_with('2') };
+        matches!(name.trim_end_matches('2'), "plastic" | "metal" | "trans").then_some(kind)
+    }
+}
+
 /// The coefficients of the four parts for the real arguments `a`, each for red, green and blue (semantics 3.3: the partition of what is not
 /// absorbed).
 pub fn parts(kind: Kind, a: &[f64]) -> [[f64; 3]; 4] {

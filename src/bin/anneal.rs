@@ -1,7 +1,8 @@
 //! anneal: what material it is, by simulated annealing.
 
 use inverad::anneal::Objective;
-use inverad::args::anneal::{Arguments, Job};
+use inverad::args::anneal::{AUTO, Arguments, Job};
+use inverad::cli::auto::auto;
 use inverad::cli::exec::{Exec, last_number};
 use inverad::cli::photo::{Direct, Photo};
 use inverad::cli::search::{Search, Watch};
@@ -9,7 +10,7 @@ use inverad::cli::{self, Answer, Console, Input, Outcome, Output};
 use inverad::error::Error;
 use inverad::rad::{Document, Number};
 use inverad::recover::{Effort, recover};
-use inverad::unknown::Unknown;
+use inverad::unknown::{Unknown, Wishes, retyped};
 use std::path::Path;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
@@ -76,17 +77,37 @@ fn search(start: &str, arguments: &Arguments, console: &Console) -> Outcome<Answ
 /// Recovers the material from the picture by the basis of its transport.
 fn look(start: &str, target: &str, arguments: &Arguments, console: &Console) -> Outcome<Answer> {
     let options = arguments.options()?;
-    let (name, bytes) = Input::default().read(start)?;
-    let unknown = Unknown::new(Document::read(&name, bytes)?, &arguments.wishes())?;
-    let photo = Photo::new(&unknown, target, arguments, console)?;
+    let (document, wishes) = opened(start, arguments)?;
+    let all = arguments.unknown.kind.as_deref() == Some(AUTO);
+    // What is wished of one type need not be possible for another.
+    let wished = if all { Wishes { material: wishes.material.clone(), ..Wishes::default() } } else { wishes.clone() };
+    let mut unknown = Unknown::new(document.clone(), &wished)?;
+    let first = unknown.clone();
+    let mut photo = Photo::new(&first, target, arguments, console)?;
     let until = arguments.search.time.map(|seconds| Instant::now() + Duration::from_secs_f64(seconds.min(1e9)));
-    let effort = Effort { seed: options.seed, until, tolerance: options.tolerance };
+    let effort = Effort { seed: options.seed, until, tolerance: options.tolerance, quick: false };
+    let (mut title, mut doubts) = (vec![], vec![]);
+    if all {
+        let choice = auto(&document, &wishes, &mut photo, effort, console)?;
+        (unknown, title, doubts) = (choice.unknown, vec![choice.title], choice.doubts);
+    }
     let found = recover(&photo.evidence(), &unknown, photo.material(), effort, &|so_far| console.progress(|| so_far.into()))?;
     let errors = found.errors();
-    let title = format!("chi2 {} over {} pixels", Number(found.chi2), found.pixels);
-    Output::whole(arguments.common.output.as_deref(), &unknown.recovered(&found.values, Some(&errors), &[title])?)?;
-    unknown.doubts(&found.values, Some(&errors)).iter().for_each(|doubt| console.warn(doubt));
+    title.push(format!("chi2 {} over {} pixels", Number(found.chi2), found.pixels));
+    Output::whole(arguments.common.output.as_deref(), &unknown.recovered(&found.values, Some(&errors), &title)?)?;
+    doubts.extend(unknown.doubts(&found.values, Some(&errors)));
+    doubts.iter().for_each(|doubt| console.warn(doubt));
     Ok(if options.tolerance.is_none_or(|t| errors.iter().all(|e| *e <= t)) { Answer::Yes } else { Answer::No })
+}
+
+/// START.rad, its material taken for the type that was named, and what is wished of it.
+fn opened(start: &str, arguments: &Arguments) -> Outcome<(Document, Wishes)> {
+    let (name, bytes) = Input::default().read(start)?;
+    let (document, wishes) = (Document::read(&name, bytes)?, arguments.wishes());
+    Ok(match arguments.unknown.kind.as_deref() {
+        Some(AUTO) | None => (document, wishes),
+        Some(kind) => retyped(kind, &document, &wishes)?,
+    })
 }
 
 /// Searches for the unknown with someone who judges each candidate.
@@ -101,8 +122,11 @@ fn anneal(mut search: Search, judge: &mut dyn Objective, arguments: &Arguments, 
 
 /// The search for the unknown of a file; where the state keeps it, as far as it got.
 fn begin(start: &str, arguments: &Arguments, state: Option<&Path>) -> Outcome<Search> {
-    let (name, bytes) = Input::default().read(start)?;
-    let search = Search::new(&name, bytes, arguments.wishes(), arguments.options()?)?;
+    if arguments.unknown.kind.as_deref() == Some(AUTO) {
+        return Err(Error::new("--type auto compares pictures: it needs --scene and --target, without --exec or --direct").into());
+    }
+    let (document, wishes) = opened(start, arguments)?;
+    let search = Search::new(&document.source.name, document.bytes(), wishes, arguments.options()?)?;
     Ok(match state {
         Some(state) => search.taken_up(state, arguments.search.steps)?,
         None => search,
