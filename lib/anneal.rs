@@ -16,6 +16,7 @@
 
 mod check;
 pub mod linear;
+mod past;
 mod polish;
 mod random;
 mod walk;

@@ -20,6 +20,7 @@ pub mod exec;
 pub mod film;
 pub mod photo;
 pub mod rays;
+pub mod report;
 pub mod search;
 
 mod disk;

@@ -11,6 +11,7 @@ mod triangulate;
 use crate::error::{Error, Result, Source};
 use crate::geometry::Mesh;
 use crate::rad::Document;
+use crate::resolve::Resolve;
 
 /// A mesh as a file holds it.
 #[derive(Clone, Debug)]
@@ -41,6 +42,20 @@ pub enum Octree {
     Files(Vec<String>),
     /// The scene itself, frozen.
     Scene(Document),
+}
+
+impl Octree {
+    /// The descriptions that it stands for; `name` is its own. A command is a description of one line.
+    pub fn documents(self, name: &str, resolve: &dyn Resolve) -> Result<Vec<Document>> {
+        let read = |file: String| match file.starts_with('!') {
+            true => Document::parse(Source::new(name, file + "\n")),
+            false => Document::read(&file, resolve.scene(&file)?),
+        };
+        match self {
+            Self::Files(files) => files.into_iter().map(read).collect(),
+            Self::Scene(document) => Ok(vec![document]),
+        }
+    }
 }
 
 /// The mesh in these bytes: a `.rtm` if it begins like one, otherwise an `.obj`. `name` is what the user knows it by.

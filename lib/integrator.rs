@@ -254,6 +254,7 @@ impl<'a, B: Clone> Integrator<'a, B> {
                         aim: segment.aim,
                         primary: segment.exact && segment.level == 0 && segment.scattered.is_none() && segment.aim.is_none(),
                         gathered: segment.gathers(),
+                        ambient: segment.bounces > 0 || segment.aim == Some(Emitter::Environment),
                         clip: segment.clip.as_deref(),
                     };
                     self.outcome.surface |= segment.travelled == 0.0;
@@ -296,6 +297,7 @@ impl<'a, B: Clone> Integrator<'a, B> {
             travelled: segment.travelled + t,
             beta,
             weight,
+            medium: *medium,
             ..segment.clone()
         };
         match (&layer.emission, layer.material.is_some()) {
@@ -316,7 +318,9 @@ impl<'a, B: Clone> Integrator<'a, B> {
                     0.0 => 0.0,
                     aimed => s.lamps * s.density / (s.density + aimed),
                 },
-                Emitter::Environment if s.shared > 0.0 => s.density / (s.density + s.shared * self.world.environment_pdf(s.direction)),
+                Emitter::Environment if s.shared > 0.0 => {
+                    s.density / (s.density + s.shared * self.world.environment_pdf(s.origin, s.direction))
+                }
                 Emitter::Environment | Emitter::Glow => 1.0,
                 Emitter::Hidden => 0.0,
             },

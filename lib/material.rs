@@ -239,6 +239,11 @@ impl Material {
         }
     }
 
+    /// Whether a texture bends the light that passes, of primary and mirrored rays, while shadow and ambient rays go straight on.
+    pub fn bends(&self) -> bool {
+        matches!(self, Self::Reflectance(_) | Self::Glass(_) | Self::Functions(_)) && self.passes()
+    }
+
     /// Whether its type is one that RADIANCE takes for transparent, whatever its numbers: such a surface gives way to a coincident opaque
     /// one, and `-i` looks through it.
     pub fn nominally_transparent(&self) -> bool {

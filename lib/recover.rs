@@ -40,8 +40,8 @@ pub struct Evidence<'a> {
 }
 
 /// How hard to try.
-#[derive(Clone, Copy, Debug)]
-pub struct Effort {
+#[derive(Clone, Copy)]
+pub struct Effort<'a> {
     /// Fixes every random choice.
     pub seed: u64,
     /// When to end, if not when the noise of the rendering hardly matters any more.
@@ -50,6 +50,8 @@ pub struct Effort {
     pub tolerance: Option<f64>,
     /// Only look at what can be seen at once: enough to compare types of material.
     pub quick: bool,
+    /// Who is told what each round found.
+    pub told: &'a (dyn Fn(&Recovery) + Sync),
 }
 
 /// What was found.
@@ -69,7 +71,7 @@ pub struct Recovery {
     pub losses: Vec<f64>,
 }
 
-impl Effort {
+impl Effort<'_> {
     /// Whether what was found has to do.
     fn late(&self) -> bool {
         self.quick || self.until.is_some_and(|until| Instant::now() >= until)
@@ -117,20 +119,22 @@ impl Seeds {
 impl Recovery {
     /// The standard error of each value.
     pub fn errors(&self) -> Vec<f64> {
-        (0..self.values.len()).map(|i| self.covariance.at(i, i).max(0.0).sqrt()).collect()
+        self.covariance.deviations()
     }
 }
 
 impl Evidence<'_> {
-    /// The pixels that show the unknown, and count; errors if there is none.
+    /// The pixels that show the unknown, and count; errors if there is none. In an illumination field it must cover them wholly.
     pub fn pixels(&self, unknown: &Unknown, material: MaterialId) -> Result<Vec<usize>> {
         let lens = self.film.lens();
+        let shows = |n: usize, at: [f64; 2]| {
+            lens(n, at).is_some_and(|(origin, direction, _)| self.world.shows(&Ray { origin, direction }, material))
+        };
+        let grid = |count: usize, from: f64| (0..count * count).map(move |k| [k % count, k / count].map(|i| i as f64 / 4.0 + from));
         let shown = |n: &usize| {
             self.mask.is_none_or(|mask| mask[*n] > 0.0)
-                && (0..16).any(|k| {
-                    let at = [(k % 4) as f64 / 4.0 + 0.125, (k / 4) as f64 / 4.0 + 0.125];
-                    lens(*n, at).is_some_and(|(origin, direction, _)| self.world.shows(&Ray { origin, direction }, material))
-                })
+                // What is seen behind the unknown is not in an illumination field: only pixels that it covers to their corners count.
+                && if self.world.has_field() { grid(5, 0.0).all(|at| shows(*n, at)) } else { grid(4, 0.125).any(|at| shows(*n, at)) }
         };
         let pixels: Vec<usize> = (0..self.film.width * self.film.height).into_par_iter().filter(shown).collect();
         if pixels.is_empty() {

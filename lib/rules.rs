@@ -38,10 +38,21 @@ pub struct Rules {
     pub extinction: Rgb,
     /// `-i`: irradiance instead of radiance.
     pub irradiance: bool,
+    /// How an environment that was measured at several places is put together.
+    pub field: Field,
     /// Which form the rough reflection lobe has.
     pub lobe: Ward,
     /// What RADIANCE's approximate Fresnel term is lowered by (see [`FRESNEL_OFFSET`]).
     pub fresnel_offset: f64,
+}
+
+/// Which of the environments that were measured at places light a point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Field {
+    /// The nearest.
+    Nearest,
+    /// The two nearest, in proportion to 1/distance².
+    Blend,
 }
 
 /// The forms of the rough reflection lobe.
@@ -73,6 +84,7 @@ impl Default for Rules {
             mirror_levels: 2,
             extinction: Rgb::ZERO,
             irradiance: false,
+            field: Field::Blend,
             lobe: Ward::Bounded,
             fresnel_offset: FRESNEL_OFFSET,
         }

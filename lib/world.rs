@@ -5,6 +5,7 @@
 
 mod build;
 mod clip;
+mod field;
 mod layers;
 
 pub use clip::Clip;
@@ -17,6 +18,7 @@ use crate::light::{Lamp, ToLamp};
 use crate::scene::{Chain, ChainId, End, MaterialId, Named};
 use crate::transform::Transform;
 use crate::vector::Vec3;
+use field::Probes;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -29,7 +31,11 @@ pub struct World {
     sources: Vec<Source>,
     lamps: Vec<Lamp>,
     environment: Option<Environment>,
+    /// Environments that were measured at places: they are the sky then.
+    probes: Option<Probes>,
     transparent: bool,
+    /// Whether there are surfaces that bend what passes them, but not what is aimed.
+    bends: bool,
     /// For each chain, whether the surfaces that bear it gather indirect light; empty if all do.
     gathers: Vec<bool>,
     /// For each chain, whether antimatter removes it; empty without antimatter.
@@ -148,6 +154,11 @@ impl World {
         self.transparent
     }
 
+    /// Whether some surfaces bend what passes them, but not what is aimed through them.
+    pub fn bends(&self) -> bool {
+        self.bends
+    }
+
     /// The materials by name.
     pub fn materials(&self) -> &[Named] {
         &self.materials
@@ -248,17 +259,28 @@ impl World {
 
     /// Whether directions are aimed at the environment.
     pub fn has_environment(&self) -> bool {
-        self.environment.is_some()
+        self.environment.is_some() || self.probes.as_ref().is_some_and(Probes::are_aimed_at)
     }
 
-    /// A direction aimed at the environment, and its density.
-    pub fn sample_environment(&self, u: [f64; 2]) -> Option<(Vec3, f64)> {
-        self.environment.as_ref()?.sample(u)
+    /// Whether the environment differs from place to place, as it was measured at some.
+    pub fn has_field(&self) -> bool {
+        self.probes.is_some()
+    }
+
+    /// A direction aimed at the environment of a point, and its density.
+    pub fn sample_environment(&self, from: Vec3, u: [f64; 2]) -> Option<(Vec3, f64)> {
+        match &self.probes {
+            Some(probes) => probes.sample(from, u),
+            None => self.environment.as_ref()?.sample(u),
+        }
     }
 
     /// The density of [`World::sample_environment`].
-    pub fn environment_pdf(&self, direction: Vec3) -> f64 {
-        self.environment.as_ref().map_or(0.0, |e| e.pdf(direction))
+    pub fn environment_pdf(&self, from: Vec3, direction: Vec3) -> f64 {
+        match &self.probes {
+            Some(probes) => probes.pdf(from, direction),
+            None => self.environment.as_ref().map_or(0.0, |e| e.pdf(direction)),
+        }
     }
 
     /// The source that a ray sees behind everything: what it was aimed at, else the first light that contains the direction, else the first

@@ -1,8 +1,10 @@
 //! Meshes and octrees that RADIANCE's own programs made, recorded beside what they were made from.
 
 use inverad::accel::{Accel, Geometry, Surface};
+use inverad::expand::expand;
 use inverad::geometry::{Mesh, Ray};
 use inverad::import::{MeshFile, MeshMaterial, Octree, is_octree, mesh, octree};
+use inverad::resolve::Files;
 use inverad::vector::{Affine, Vec3};
 use proptest::prelude::*;
 use std::sync::Arc;
@@ -109,6 +111,10 @@ fn a_frozen_octree_holds_its_scene() {
 fn an_octree_that_is_not_frozen_names_its_files() {
     let Octree::Files(files) = octree(PLAIN, "plain.oct").unwrap() else { panic!("it is not frozen") };
     assert_eq!(files, ["scene.rad", "!echo void glow g 0 0 4 1 1 1 0"]);
+    // What its command prints is made inside the process.
+    let resolve = Files::of([("scene.rad", &b"void plastic p 0 0 5 1 1 1 0 0"[..])]);
+    let flat = expand(Octree::Files(files).documents("plain.oct", &resolve).unwrap(), &resolve).unwrap();
+    assert_eq!(flat.primitives.iter().map(|p| p.name.as_str()).collect::<Vec<_>>(), ["p", "g"]);
 }
 
 #[test]

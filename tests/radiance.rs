@@ -1,7 +1,9 @@
 //! Recorded answers of the real `rtrace`, ray by ray, given by the program itself.
 //!
 //! `tests/radiance/vectors.json` holds 129 scenes with rays and what RADIANCE 6.0a said: `oconv scene.rad > s.oct; rtrace ARGS -h s.oct < rays`.
-//! "tolerance" is relative, on each channel; "files" are base64. Vectors with a "fresnel_offset" were made with that constant.
+//! `fresh.json` holds more of them, made in the same way: every material flat and round, with and without textures, every kind of pattern,
+//! mixture and light, whole and in parts, and how they meet. "tolerance" is relative, on each channel; "files" are base64. Vectors with a
+//! "fresnel_offset" were made with that constant.
 
 use serde_json::Value;
 use std::io::Write;
@@ -58,7 +60,17 @@ impl Vector<'_> {
 
 #[test]
 fn every_vector_of_the_real_rtrace() {
-    let vectors: Value = serde_json::from_str(include_str!("radiance/vectors.json")).unwrap();
+    agree(include_str!("radiance/vectors.json"));
+}
+
+#[test]
+fn what_materials_patterns_and_lights_do_to_each_other() {
+    agree(include_str!("radiance/fresh.json"));
+}
+
+/// Compares what the program says with what is recorded.
+fn agree(recorded: &str) {
+    let vectors: Value = serde_json::from_str(recorded).unwrap();
     let mut failures = Vec::new();
     for vector in vectors.as_array().unwrap() {
         let vector = Vector(vector);

@@ -45,6 +45,16 @@ impl Symmetric {
         self.cells[j * self.size + i] = value;
     }
 
+    /// Of a covariance: the standard deviations.
+    pub fn deviations(&self) -> Vec<f64> {
+        (0..self.size).map(|i| self.at(i, i).max(0.0).sqrt()).collect()
+    }
+
+    /// Of a covariance: the correlation of each pair; not a number where a variance is 0 or infinite.
+    pub fn correlations(&self) -> Self {
+        Self::of(self.size, |i, j| if i == j { 1.0 } else { self.at(i, j) / (self.at(i, i) * self.at(j, j)).sqrt() })
+    }
+
     /// The product with a vector.
     pub fn times(&self, x: &[f64]) -> Vec<f64> {
         self.cells.chunks_exact(self.size.max(1)).map(|row| row.iter().zip(x).map(|(a, b)| a * b).sum()).collect()

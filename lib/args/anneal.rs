@@ -168,6 +168,10 @@ pub struct SearchOptions {
     /// Write each evaluation to FILE, one JSON object a line
     #[arg(long, value_name = "FILE.jsonl")]
     pub log: Option<PathBuf>,
+
+    /// Write a page to look at to FILE: values, errors and correlations, how they were found, and with --target what they look like
+    #[arg(long, value_name = "FILE.html")]
+    pub report: Option<PathBuf>,
 }
 
 /// What is to be done.

@@ -10,7 +10,7 @@ use crate::error::{Error, Result};
 use crate::picture::PRIMARIES;
 use crate::rays::Space;
 use crate::render::{Budget, DEFAULT_ERROR};
-use crate::rules::{FRESNEL_OFFSET, Rules, Ward};
+use crate::rules::{FRESNEL_OFFSET, Field, Rules, Ward};
 use clap::ArgAction;
 use std::collections::HashSet;
 use std::path::PathBuf;
@@ -285,6 +285,10 @@ pub struct Light {
     #[arg(long = "me", value_names = ["R", "G", "B"], num_args = 3)]
     pub me: Option<Vec<f64>>,
 
+    /// What lights a point where environments were measured at several places (#@probe) [default: blend, of the two nearest by 1/distance²]
+    #[arg(long, value_name = "nearest|blend", value_parser = ["nearest", "blend"])]
+    pub field: Option<String>,
+
     /// The reflection lobe of the 2002 paper instead of RADIANCE's present one
     #[arg(long, value_name = "1992", value_parser = ["1992"])]
     pub ward: Option<String>,
@@ -439,6 +443,7 @@ impl Light {
             mirror_levels: self.dr.unwrap_or(default.mirror_levels),
             extinction: color(&self.me, default.extinction),
             irradiance: self.irradiance.unwrap_or(default.irradiance),
+            field: if self.field.as_deref() == Some("nearest") { Field::Nearest } else { default.field },
             lobe: if self.ward.is_some() { Ward::Original } else { default.lobe },
             fresnel_offset: self.fresnel_offset,
         })

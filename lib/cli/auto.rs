@@ -1,51 +1,66 @@
-//! Which type of material it is, by trying them.
+//! The unknown of a file as the type that `--type` says, or as the one that the picture supports best.
 
 use super::photo::Photo;
-use super::{Console, Outcome};
+use super::{Console, Input, Outcome};
+use crate::args::anneal::{AUTO, Arguments};
 use crate::error::Error;
 use crate::rad::Document;
 use crate::recover::types::{Sample, Trial, choose};
 use crate::recover::{Effort, Evidence, recover};
-use crate::unknown::{TYPES, Unknown, Wishes};
+use crate::unknown::{TYPES, Unknown, Wishes, retyped};
 
-/// The type that a picture supports best.
-pub struct Choice {
-    /// The unknown, taken for it.
-    pub unknown: Unknown,
-    /// What is to be said of it, on a line.
-    pub title: String,
-    /// What there is to doubt.
+/// A photograph whose unknown has been taken for a type.
+pub struct Taken<'a> {
+    /// The photograph.
+    pub photo: Photo<'a>,
+    /// What is to be said of the type, line by line.
+    pub title: Vec<String>,
+    /// What there is to doubt about it.
     pub doubts: Vec<String>,
 }
 
-/// Takes the unknown of `document` for each type in turn; then the photograph is for the one chosen. A type that what was wished leaves without
-/// anything unknown is left out.
-pub fn auto(document: &Document, wishes: &Wishes, photo: &mut Photo, effort: Effort, console: &Console) -> Outcome<Choice> {
+/// START.rad, its material taken for the type that was named, and what is wished of it.
+pub fn opened(start: &str, arguments: &Arguments) -> Outcome<(Document, Wishes)> {
+    let (name, bytes) = Input::default().read(start)?;
+    let (document, wishes) = (Document::read(&name, bytes)?, arguments.wishes());
+    match arguments.unknown.kind.as_deref() {
+        None => Ok((document, wishes)),
+        Some(AUTO) => Err(Error::new("--type auto compares pictures: it needs --scene and --target, without --exec or --direct").into()),
+        Some(kind) => Ok(retyped(kind, &document, &wishes)?),
+    }
+}
+
+/// The photograph `target`, its unknown taken for the type that was named, or with `--type auto` for the best.
+pub fn take<'a>(start: &str, target: &str, effort: Effort, arguments: &Arguments, console: &'a Console) -> Outcome<Taken<'a>> {
+    if arguments.unknown.kind.as_deref() != Some(AUTO) {
+        let (document, wishes) = opened(start, arguments)?;
+        let photo = Photo::new(&Unknown::new(document, &wishes)?, target, arguments, console)?;
+        return Ok(Taken { photo, title: vec![], doubts: vec![] });
+    }
+    let (name, bytes) = Input::default().read(start)?;
+    let (document, wishes) = (Document::read(&name, bytes)?, arguments.wishes());
+    // A type that what was wished leaves without anything unknown is left out.
+    let mut unknowns = Vec::new();
+    for (kind, _) in TYPES {
+        match Unknown::taken_for(kind, &document, &wishes) {
+            Ok(unknown) => unknowns.push(unknown),
+            Err(error) => console.note(&format!("{kind} is not tried: {}", error.message)),
+        }
+    }
+    let Some(first) = unknowns.first() else {
+        return Err(Error::new("--type auto: no type can be tried; give bounds with --param NAME=START:LOW:HIGH").into());
+    };
+    let mut photo = Photo::new(first, target, arguments, console)?;
+    let sample = Sample::of(&photo.evidence(), &photo.evidence().pixels(first, photo.material())?);
     let effort = Effort { quick: true, ..effort };
     let mut trials = Vec::new();
-    let mut sample = None;
-    for (kind, _) in TYPES {
-        let unknown = match Unknown::taken_for(kind, document, wishes) {
-            Ok(unknown) => unknown,
-            Err(error) => {
-                console.note(&format!("{kind} is not tried: {}", error.message));
-                continue;
-            }
-        };
-        photo.take_for(unknown.material())?;
-        let evidence = photo.evidence();
-        if sample.is_none() {
-            sample = Some(Sample::of(&evidence, &evidence.pixels(&unknown, photo.material())?));
-        }
-        let evidence = Evidence { mask: sample.as_ref().map(|s| &s.mask[..]), ..evidence };
-        let found = recover(&evidence, &unknown, photo.material(), effort, &|so_far| console.progress(|| format!("{kind}: {so_far}")))?;
-        trials.push(Trial::new(&unknown, found));
+    for unknown in &unknowns {
+        photo.take_for(unknown.clone())?;
+        let evidence = Evidence { mask: Some(&sample.mask), ..photo.evidence() };
+        let tell = |so_far: &str| console.progress(|| format!("{}: {so_far}", unknown.material().kind));
+        trials.push(Trial::new(unknown, recover(&evidence, unknown, photo.material(), effort, &tell)?));
     }
-    let Some(sample) = sample else {
-        return Err(Error::new("--type auto: no type has a free parameter; give bounds with --param NAME=START:LOW:HIGH").into());
-    };
     let verdict = choose(&trials, &sample);
-    let unknown = Unknown::taken_for(&trials[verdict.chosen].kind, document, wishes)?;
-    photo.take_for(unknown.material())?;
-    Ok(Choice { unknown, title: verdict.title(&trials), doubts: verdict.doubts(&trials) })
+    photo.take_for(unknowns.swap_remove(verdict.chosen))?;
+    Ok(Taken { photo, title: vec![verdict.title(&trials)], doubts: verdict.doubts(&trials) })
 }

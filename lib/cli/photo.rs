@@ -13,6 +13,7 @@ use crate::picture::Picture;
 use crate::rad::{Class, Primitive};
 use crate::recover::Evidence;
 use crate::render::{Budget, Film, Task, render};
+use crate::report::{Setting, Views};
 use crate::rules::Rules;
 use crate::scene::{MaterialId, Scene};
 use crate::unknown::Unknown;
@@ -21,7 +22,7 @@ use std::sync::Arc;
 
 /// A photograph and all that is known of it.
 pub struct Photo<'a> {
-    unknown: &'a Unknown,
+    unknown: Unknown,
     flat: Flat,
     disk: Disk<'a>,
     /// The place of the unknown material in the description.
@@ -37,7 +38,7 @@ pub struct Photo<'a> {
 
 impl<'a> Photo<'a> {
     /// The photograph `target` of the scene that the arguments name, with the unknown in it.
-    pub fn new(unknown: &'a Unknown, target: &str, arguments: &Arguments, console: &'a Console) -> Outcome<Self> {
+    pub fn new(unknown: &Unknown, target: &str, arguments: &Arguments, console: &'a Console) -> Outcome<Self> {
         let photo = &arguments.photo;
         let input = Input::default();
         let read = |name: &str| -> Result<(String, Picture)> {
@@ -76,7 +77,19 @@ impl<'a> Photo<'a> {
         let material = material.ok_or_else(|| unknown.material().error("no surface of the scene is made of it"))?;
         let mut world = World::new(scene, &rules)?;
         world.unknown = Some(material);
-        Ok(Self { unknown, flat, disk, place, material, rules, world, film, target, mask: mask.transpose()?, seed: arguments.common.seed })
+        Ok(Self {
+            unknown: unknown.clone(),
+            flat,
+            disk,
+            place,
+            material,
+            rules,
+            world,
+            film,
+            target,
+            mask: mask.transpose()?,
+            seed: arguments.common.seed,
+        })
     }
 
     /// What there is to go by.
@@ -84,14 +97,40 @@ impl<'a> Photo<'a> {
         Evidence { world: &self.world, rules: &self.rules, film: &self.film, target: &self.target, mask: self.mask.as_deref() }
     }
 
+    /// What is unknown in it.
+    pub fn unknown(&self) -> &Unknown {
+        &self.unknown
+    }
+
+    /// The scene, for any numbers of the unknown.
+    fn setting(&self) -> Setting<'_> {
+        Setting { flat: &self.flat, place: self.place, rules: &self.rules, resolve: &self.disk, seed: self.seed }
+    }
+
+    /// What there is to see when the parameters have these values.
+    pub fn views(&self, values: &[f64]) -> Result<Views> {
+        let (setting, reals) = (self.setting(), self.unknown.reals(values));
+        let pixels = self.evidence().pixels(&self.unknown, self.material)?;
+        let mut counts = vec![0.0; self.target.pixels.len()];
+        pixels.iter().for_each(|&n| counts[n] = self.mask.as_ref().map_or(1.0, |mask| mask[n]));
+        Ok(Views {
+            target: self.target.clone(),
+            rendering: setting.picture(&setting.world(&reals)?, &self.rules, &self.film, None),
+            counts,
+            lamp: setting.under_a_lamp(&reals)?,
+            there: setting.in_its_place(&reals, &self.world, self.material, &self.film, &pixels)?,
+        })
+    }
+
     /// Which material of the scene is the unknown.
     pub fn material(&self) -> MaterialId {
         self.material
     }
 
-    /// Puts another material into the place of the unknown.
-    pub fn take_for(&mut self, material: &Primitive) -> Result<()> {
-        self.flat.primitives[self.place].clone_from(material);
+    /// Puts another unknown into the place of its own.
+    pub fn take_for(&mut self, unknown: Unknown) -> Result<()> {
+        self.flat.primitives[self.place].clone_from(unknown.material());
+        self.unknown = unknown;
         self.world = World::new(Scene::new(&self.flat, &self.disk, false)?, &self.rules)?;
         self.world.unknown = Some(self.material);
         Ok(())
@@ -110,16 +149,14 @@ const SAMPLES: u32 = 32;
 impl<'p, 'a> Direct<'p, 'a> {
     /// Over the pixels that show the unknown.
     pub fn new(photo: &'p Photo<'a>) -> Result<Self> {
-        Ok(Self { photo, pixels: photo.evidence().pixels(photo.unknown, photo.material)? })
+        Ok(Self { photo, pixels: photo.evidence().pixels(&photo.unknown, photo.material)? })
     }
 }
 
 impl Objective for Direct<'_, '_> {
     fn chi2(&mut self, values: &[f64], _: usize) -> Result<f64> {
         let photo = self.photo;
-        let mut flat = photo.flat.clone();
-        flat.primitives[photo.place].reals = photo.unknown.reals(values);
-        let world = World::new(Scene::new(&flat, &photo.disk, false)?, &photo.rules)?;
+        let world = photo.setting().world(&photo.unknown.reals(values))?;
         let lens = photo.film.lens();
         let rendering = render(
             &Task {

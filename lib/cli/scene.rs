@@ -5,7 +5,7 @@ use super::stream::{file, plain};
 use crate::args::{Commands, Scenes, ViewWords};
 use crate::error::{Error, Result};
 use crate::expand::{Flat, expand, refuse_commands};
-use crate::import::{Octree, is_octree, octree};
+use crate::import::{is_octree, octree};
 use crate::rad::Document;
 use crate::resolve::Resolve;
 use crate::view::View;
@@ -24,18 +24,7 @@ pub fn documents(names: &[String], resolve: &dyn Resolve) -> Result<Vec<Document
             documents.push(Document::read(&name, bytes)?);
             continue;
         }
-        match octree(&bytes, &name)? {
-            Octree::Scene(document) => documents.push(document),
-            Octree::Files(files) => {
-                for file in files {
-                    let bytes = match file.strip_prefix('!') {
-                        Some(command) => resolve.command(command)?,
-                        None => resolve.scene(&file)?,
-                    };
-                    documents.push(Document::read(&file, bytes)?);
-                }
-            }
-        }
+        documents.extend(octree(&bytes, &name)?.documents(&name, resolve)?);
     }
     Ok(documents)
 }

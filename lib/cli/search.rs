@@ -110,6 +110,11 @@ impl Search {
         &mut self.kept.annealer
     }
 
+    /// The search itself, to look at.
+    pub fn annealed(&self) -> &Annealer {
+        &self.kept.annealer
+    }
+
     /// The file with the values of the proposal; `None` when the search is over.
     pub fn proposal(&self) -> Result<Option<Vec<u8>>> {
         self.kept.annealer.propose().map(|values| Ok(self.unknown.document(values)?.bytes())).transpose()

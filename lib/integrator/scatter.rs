@@ -19,6 +19,8 @@ struct Ways {
     weights: [f64; 4],
     /// The expected number of samples of each part, per way to sample it; 0 for a part that is not integrated.
     counts: [f64; 4],
+    /// The same, without the parts whose samples may go another way than what is aimed in their direction.
+    aims: [f64; 4],
     /// The probability of each way, 1 if all are taken.
     share: [f64; 6],
     /// The one that is taken; all if `None`.
@@ -50,7 +52,7 @@ impl<B: Clone> Integrator<'_, B> {
             return;
         }
         let ways = self.ways(transport, &mut at, &vertex);
-        self.aim_at_lamps(transport, &mut at, &vertex, &ways.counts);
+        self.aim_at_lamps(transport, &mut at, &vertex, &ways.aims);
         self.aim_at_environment(transport, &mut at, &vertex, &ways);
         for part in Part::ALL {
             if ways.weights[part as usize] > 0.0 && ways.take(2 + part as usize) {
@@ -67,7 +69,7 @@ impl<B: Clone> Integrator<'_, B> {
     /// How to go on from a surface: in every way there is while nothing was left to chance, else in one, chosen in proportion to what it carries.
     fn ways<T: Transport<Beta = B>>(&mut self, transport: &mut T, at: &mut Segment<B>, vertex: &Vertex<T::Surface>) -> Ways {
         let surface = &vertex.surface;
-        let mut ways = Ways { weights: surface.weights(), counts: [0.0; 4], share: [1.0; 6], chosen: None, aimed: 1.0 };
+        let mut ways = Ways { weights: surface.weights(), counts: [0.0; 4], aims: [0.0; 4], share: [1.0; 6], chosen: None, aimed: 1.0 };
         if at.bounces >= self.rules.ambient_bounces || !vertex.layer.gathers {
             for side in 0..2 {
                 if std::mem::take(&mut ways.weights[side]) > 0.0 && self.rules.ambient_value != Rgb::ZERO {
@@ -91,6 +93,10 @@ impl<B: Clone> Integrator<'_, B> {
             if ways.weights[k] > 0.0 && self.spread(part, surface.bsdf()).is_none() {
                 ways.counts[k] = if at.exact { rates[k] } else { ways.share[2 + k] / surface.ways(part) as f64 };
             }
+        }
+        ways.aims = ways.counts;
+        if at.bounces == 0 && self.world.bends() {
+            ways.aims[Part::SpecularReflection as usize] = 0.0;
         }
         ways
     }
@@ -153,7 +159,7 @@ impl<B: Clone> Integrator<'_, B> {
         }
         let count = surface.ways(part);
         let only = if at.exact || count == 1 { None } else { Some(((self.draw(at)[0] * count as f64) as usize).min(count - 1)) };
-        from.shared = ways.aimed;
+        from.shared = if ways.aims[k] > 0.0 { ways.aimed } else { 0.0 };
         for way in (0..count).filter(|&w| only.is_none_or(|o| o == w)) {
             // A part that is not worth a sample each time gets one now and then.
             if at.exact && ways.counts[k] < 1.0 && self.draw(at)[0] >= ways.counts[k] {
@@ -162,7 +168,8 @@ impl<B: Clone> Integrator<'_, B> {
             let u = self.draw(at);
             let Some(wi) = surface.sample(part, way, u) else { continue };
             from.direction = surface.bsdf().to_world(wi);
-            from.lamps = if self.rules.light_jitter.is_none() { surface.lamp_ratio(part, wi).unwrap_or(0.0) } else { 0.0 };
+            from.lamps =
+                if self.rules.light_jitter.is_none() && ways.aims[k] > 0.0 { surface.lamp_ratio(part, wi).unwrap_or(0.0) } else { 0.0 };
             let beta;
             (beta, from.density) = transport.drawn(&at.beta, surface, wi, part, way, ways.counts[k]);
             let exact = std::mem::take(&mut at.exact);
@@ -303,16 +310,16 @@ impl<B: Clone> Integrator<'_, B> {
         vertex: &Vertex<T::Surface>,
         ways: &Ways,
     ) {
-        if ways.counts == [0.0; 4] || !self.world.has_environment() {
+        if ways.aims == [0.0; 4] || !self.world.has_environment() {
             return;
         }
         if ways.aimed < 1.0 && self.draw(at)[0] >= ways.aimed {
             return;
         }
         let u = self.draw(at);
-        let Some((direction, pdf)) = self.world.sample_environment(u) else { return };
+        let Some((direction, pdf)) = self.world.sample_environment(at.ray.origin, u) else { return };
         let wi = vertex.surface.bsdf().to_local(direction);
-        let beta = transport.aimed(&at.beta, &vertex.surface, wi, Arriving::Indirect, ways.aimed * pdf, &ways.counts);
+        let beta = transport.aimed(&at.beta, &vertex.surface, wi, Arriving::Indirect, ways.aimed * pdf, &ways.aims);
         self.shadow(transport, at, vertex.layer, beta, (direction, f64::INFINITY), Emitter::Environment);
     }
 

@@ -14,18 +14,25 @@ impl Comparison<'_> {
     /// A colour for each pixel: the darker the smaller the difference, warm where the second picture is brighter, cold where the
     /// reference is. The brightest colours stand for the difference that one pixel in a hundred exceeds.
     pub fn heatmap(&self) -> Vec<[u8; 3]> {
-        let rgb = |pixel: [f32; 3]| Rgb::from(pixel.map(f64::from));
-        let differences: Vec<Option<f64>> = (0..self.reference.pixels.len())
-            .map(|i| {
-                let difference = rgb(self.image.pixels[i]) * self.scale - rgb(self.reference.pixels[i]);
-                let counts = self.weights.is_none_or(|weights| weights[i] > 0.0);
-                counts.then(|| difference.length().copysign(bright(difference)))
-            })
-            .collect();
-        let mut sizes: Vec<f64> = differences.iter().flatten().map(|d| d.abs()).filter(|&d| d > 0.0).collect();
+        let range = self.heat_range();
+        self.differences().map(|difference| difference.map_or(ASIDE, |d| heat(d / range))).collect()
+    }
+
+    /// The difference in radiance that the brightest colours of [`Comparison::heatmap`] stand for.
+    pub fn heat_range(&self) -> f64 {
+        let mut sizes: Vec<f64> = self.differences().flatten().map(|d| d.abs()).filter(|&d| d > 0.0).collect();
         let top = sizes.len() - sizes.len().min(1 + sizes.len() / 100);
-        let range = if sizes.is_empty() { 1.0 } else { *sizes.select_nth_unstable_by(top, f64::total_cmp).1 };
-        differences.iter().map(|difference| difference.map_or(ASIDE, |d| heat(d / range))).collect()
+        if sizes.is_empty() { 1.0 } else { *sizes.select_nth_unstable_by(top, f64::total_cmp).1 }
+    }
+
+    /// The size of each pixel's difference, negative where the reference is brighter; `None` for what does not count.
+    fn differences(&self) -> impl Iterator<Item = Option<f64>> + '_ {
+        let rgb = |pixel: [f32; 3]| Rgb::from(pixel.map(f64::from));
+        (0..self.reference.pixels.len()).map(move |i| {
+            let difference = rgb(self.image.pixels[i]) * self.scale - rgb(self.reference.pixels[i]);
+            let counts = self.weights.is_none_or(|weights| weights[i] > 0.0);
+            counts.then(|| difference.length().copysign(bright(difference)))
+        })
     }
 
     /// Reference, second picture and heat map beside each other, in the tone of the reference: width, height and pixels.
@@ -46,8 +53,8 @@ impl Comparison<'_> {
     }
 }
 
-/// Black at 0, through red and orange to light yellow at 1, through blue and cyan to light blue at −1.
-fn heat(difference: f64) -> [u8; 3] {
+/// The colour of a difference: black at 0, through red and orange to light yellow at 1, through blue and cyan to light blue at −1.
+pub fn heat(difference: f64) -> [u8; 3] {
     let size = difference.abs().min(1.0);
     let [bright, middle, dim] = [size, size.powi(2), size.powi(4)].map(srgb);
     if difference > 0.0 { [bright, middle, dim] } else { [dim, middle, bright] }

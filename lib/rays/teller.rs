@@ -125,7 +125,7 @@ impl<'w> Teller<'w> {
         let hit = self.world.nearest(ray, limit);
         let mut first = met(self.world, ray, hit.as_ref(), limit);
         if let Some(hit) = &hit {
-            let coming = Coming { ray, travelled: 0.0, aim: None, primary: true, gathered: false, clip: None };
+            let coming = Coming { ray, travelled: 0.0, aim: None, primary: true, gathered: false, ambient: false, clip: None };
             let mut share = 0.0;
             self.world.layers(hit, &coming, self.rules, &mut |layer| {
                 if layer.fraction > share {

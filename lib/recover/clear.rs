@@ -150,8 +150,12 @@ pub fn recover(
         let (first, end) = (indices[0], indices[indices.len() - 1]);
         let stage = Stage::new(evidence, unknown, material, indices);
         let enough = |found: &Recovery, before: Option<&Recovery>| effort.contents(found, before);
-        let (found, next) =
-            Look { sheet: &sheet, bounds: &bounds, rounds: &SAMPLES, shares: &shares }.at(&stage, &best.values, &mut seeds, &enough);
+        let (found, next) = Look { sheet: &sheet, bounds: &bounds, rounds: &SAMPLES, shares: &shares, effort: &effort }.at(
+            &stage,
+            &best.values,
+            &mut seeds,
+            &enough,
+        );
         let inside = slot.is_none_or(|i| found.values[i] > first && found.values[i] < end);
         if inside || effort.late() || look == MOST_LOOKS {
             return Ok(found);

@@ -3,7 +3,7 @@
 use super::fit::Problem;
 use super::gram::{Form, Gram};
 use super::statistics::{Scores, Sheet, pictures, shares};
-use super::{Recovery, Seeds};
+use super::{Effort, Recovery, Seeds};
 use crate::transport::Basis;
 
 /// A model of the picture near some values of the parameters.
@@ -34,6 +34,8 @@ pub struct Look<'a> {
     pub rounds: &'a [f64],
     /// Which part of the samples each pixel gets; 1 is the mean.
     pub shares: &'a [f64],
+    /// Who is told what each round finds.
+    pub effort: &'a Effort<'a>,
 }
 
 impl Look<'_> {
@@ -56,6 +58,7 @@ impl Look<'_> {
                 all.join(basis);
             }
             let (found, shares) = self.fit(model, &all, &best);
+            (self.effort.told)(&found);
             if round + 1 == self.rounds.len() || enough(&found, before.as_ref()) {
                 return (found, shares);
             }

@@ -14,10 +14,16 @@ pub struct Kind {
 }
 
 impl Kind {
-    /// The rough material of RADIANCE's name; `None` for what is not one.
+    /// The kind that a type is; `None` if it is none of them.
     pub fn named(name: &str) -> Option<Self> {
-        let kind = Self { metal: name.starts_with("metal"), transmits: name.starts_with("trans"), anisotropic: name.ends_with('2') };
-        matches!(name.trim_end_matches('2'), "plastic" | "metal" | "trans").then_some(kind)
+        let (stem, anisotropic) = name.strip_suffix('2').map_or((name, false), |stem| (stem, true));
+        let kind = |metal, transmits| Some(Self { metal, transmits, anisotropic });
+        match stem {
+            "plastic" => kind(false, false),
+            "metal" => kind(true, false),
+            "trans" => kind(false, true),
+            _ => None,
+        }
     }
 }
 

@@ -81,7 +81,7 @@ pub fn recover(
     tell: &dyn Fn(&str),
 ) -> Result<Recovery> {
     let name = unknown.material().kind.as_str();
-    let kind = Kind { metal: name.starts_with("metal"), transmits: name.starts_with("trans"), anisotropic: name.ends_with('2') };
+    let kind = Kind::named(name).ok_or_else(|| unknown.material().error(format!("{name} is not a rough material")))?;
     let parameters = unknown.parameters();
     let bounds: Vec<(f64, f64)> = parameters.iter().map(|p| (p.low, p.high)).collect();
     let sheet = Sheet::new(evidence, pixels);
@@ -115,7 +115,8 @@ pub fn recover(
         let rounds: &[f64] = if last { &LAST_SAMPLES } else { &CLOSE_SAMPLES };
         let near = |found: &Recovery| slot.is_none_or(|i| found.errors()[i] < NEAR * roughness(&found.values)) || effort.late();
         let enough = |found: &Recovery, before: Option<&Recovery>| if last { effort.contents(found, before) } else { near(found) };
-        let (found, next) = Look { sheet: &sheet, bounds: &bounds, rounds, shares: &shares }.at(&stage, &best.values, &mut seeds, &enough);
+        let (found, next) =
+            Look { sheet: &sheet, bounds: &bounds, rounds, shares: &shares, effort: &effort }.at(&stage, &best.values, &mut seeds, &enough);
         shares = next;
         best = Point { values: found.values.clone(), chi2: found.chi2 };
         let a = roughness(&best.values);

@@ -4,10 +4,10 @@ use super::{Chain, ChainId, Distant, End, Error, Form, Link, MaterialId, Named, 
 use crate::cal::FileId;
 use crate::expand::{Annotation, expand};
 use crate::geometry::{LEVELS, Mesh, Shape};
-use crate::import::{self, MeshMaterial, Octree};
+use crate::import::{self, MeshMaterial};
 use crate::material::Material;
 use crate::pattern::{Mixture, Pattern, Sources, Texture};
-use crate::rad::{Class, Document, Primitive};
+use crate::rad::{Class, Primitive};
 use crate::resolve::Resolve;
 use crate::support::unsupported;
 use crate::transform::Transform;
@@ -401,10 +401,7 @@ impl<'a> Builder<'a> {
         if self.within.len() == LEVELS {
             return Err(primitive.string_error(0, format!("instances stand more than {LEVELS} deep within each other")).into());
         }
-        let documents = match import::octree(&bytes, &name)? {
-            Octree::Scene(document) => vec![document],
-            Octree::Files(files) => files.iter().map(|file| self.part(file)).collect::<Result<_>>()?,
-        };
+        let documents = import::octree(&bytes, &name)?.documents(&name, self.resolve)?;
         let flat = expand(documents, self.resolve)?;
         self.within.push(name.clone());
         let outer = std::mem::take(&mut self.names);
@@ -414,15 +411,6 @@ impl<'a> Builder<'a> {
         let group = Arc::new(surfaces?);
         self.groups.insert(name, group.clone());
         Ok(group)
-    }
-
-    /// A scene file that an octree was made from, or the output of a command.
-    fn part(&self, file: &str) -> Result<Document> {
-        let bytes = match file.strip_prefix('!') {
-            Some(command) => self.resolve.command(command)?,
-            None => self.resolve.scene(file)?,
-        };
-        Document::read(file, bytes)
     }
 
     /// The surfaces among the primitives of an octree.
@@ -445,10 +433,15 @@ impl<'a> Builder<'a> {
         let [x, y, z, name] = &annotation.arguments[..] else { return Err(wrong()) };
         let number = |word: &String| word.parse::<f64>().ok().filter(|v| v.is_finite()).ok_or_else(wrong);
         let place = Vec3::new(number(x)?, number(y)?, number(z)?);
-        let Some(glow) = self.find(name, self.definitions.len()) else {
-            return Err(annotation.span.error(format!("no glow `{name}` is defined")));
+        let material = self.find(name, self.definitions.len()).map(|glow| self.chain(Some(glow))).transpose()?;
+        let source = self.scene.sources.iter().find(|s| s.name == *name).map(|s| s.chain);
+        let glows = |chain: &ChainId| match self.scene.chains[*chain].end {
+            End::Material(m) => matches!(self.scene.materials[m].material, Material::Glow(..)),
+            _ => false,
         };
-        let chain = self.chain(Some(glow))?;
+        let Some(chain) = material.into_iter().chain(source).find(glows) else {
+            return Err(annotation.span.error(format!("`{name}` is no glow: a probe names the glow of the environment measured there")));
+        };
         self.scene.probes.push((place, chain));
         Ok(())
     }

@@ -1,5 +1,6 @@
 //! Scene → World: surfaces into the hierarchy, lights into the list of lamps, mirrors into more lamps.
 
+use super::field::Probes;
 use super::{Body, Source, Surface, World};
 use crate::accel::{self, Accel, Geometry, Rank};
 use crate::color::bright;
@@ -9,7 +10,7 @@ use crate::geometry::{LightShape, Plane};
 use crate::light::{self, Lamp, Relay};
 use crate::material::Material;
 use crate::rules::Rules;
-use crate::scene::{self, ChainId, Distant, End, Form, Scene};
+use crate::scene::{self, Chain, ChainId, Distant, End, Form, Link, Scene};
 use crate::vector::Vec3;
 use std::collections::HashMap;
 use std::f64::consts::PI;
@@ -36,7 +37,7 @@ struct Mirror {
 impl World {
     /// The world of a scene. Surfaces without a material are not there; `rules` say whether backs are.
     pub fn new(scene: Scene, rules: &Rules) -> Result<Self> {
-        let Scene { surfaces, sources, chains, materials, .. } = scene;
+        let Scene { surfaces, sources, chains, materials, probes, .. } = scene;
         let mut world = Self {
             accel: Accel::build(Vec::new())?,
             surfaces: Vec::new(),
@@ -45,7 +46,9 @@ impl World {
             sources: Vec::new(),
             lamps: Vec::new(),
             environment: None,
+            probes: None,
             transparent: !rules.back_visible,
+            bends: false,
             gathers: Vec::new(),
             removable: Vec::new(),
             scale: 1.0,
@@ -94,7 +97,10 @@ impl World {
             world.scale = if bounds.size() < 1e-3 { bounds.size() / 1e-3 } else { (bounds.size() / 1e3).max(1.0) };
         }
         let middle = if bounds.is_empty() { Vec3::ZERO } else { bounds.center() };
-        if world.sources.iter().any(|s| s.lamp.is_none()) {
+        world.probes = Probes::new(&world, &probes, rules.field, ENVIRONMENT_ROWS);
+        if world.probes.is_some() {
+            world.make_room(probes[0].1);
+        } else if world.sources.iter().any(|s| s.lamp.is_none()) {
             world.environment = Environment::new(ENVIRONMENT_ROWS, |d| world.glow(middle, d));
         }
         Ok(world)
@@ -107,6 +113,8 @@ impl World {
             return Ok(None);
         }
         self.transparent |= chains.iter().any(|&c| self.passes(c));
+        let smooth = matches!(&surface.form, Form::Mesh(mesh, _) if !mesh.normals.is_empty());
+        self.bends |= chains.iter().any(|&c| self.bends_passing(c, smooth));
         let ranks = chains.iter().map(|&c| self.rank(c)).collect();
         let (geometry, body) = match &surface.form {
             Form::Shape(shape) => (Geometry::Shape(shape.clone()), Body::Shape(shape.flat())),
@@ -151,6 +159,20 @@ impl World {
             End::Void => true,
             End::Material(m) => self.materials[m].material.passes(),
             End::Mixture(_, fore, back) => self.passes(fore) || self.passes(back),
+        }
+    }
+
+    /// Whether a surface of this chain, `textured` or with a texture of its own, bends what passes.
+    fn bends_passing(&self, chain: ChainId, textured: bool) -> bool {
+        let Chain { links, end, .. } = &self.chains[chain];
+        let textured = textured || links.iter().any(|link| !matches!(link, Link::Pattern(_)));
+        match end {
+            End::Void => false,
+            End::Material(m) => {
+                let named = &self.materials[*m];
+                textured && named.material.bends() || named.alternate.is_some_and(|chain| self.bends_passing(chain, false))
+            }
+            End::Mixture(_, fore, back) => [fore, back].into_iter().any(|&side| self.bends_passing(side, textured)),
         }
     }
 
@@ -213,6 +235,14 @@ impl World {
             self.sources.push(Source { name, direction, spread, chain, lamp, illum });
         }
         Ok(())
+    }
+
+    /// Puts one source all around, which stands for the illumination field, in the place of all distant glows; of `glow` if there is none.
+    fn make_room(&mut self, glow: ChainId) {
+        let own = self.sources.iter().find(|s| s.lamp.is_none()).map(|s| (s.name.clone(), s.chain));
+        let (name, chain) = own.unwrap_or_else(|| (self.chains[glow].name.clone(), glow));
+        self.sources.retain(|s| s.lamp.is_some());
+        self.sources.push(Source { name, direction: Vec3::Z, spread: 2.0, chain, lamp: None, illum: false });
     }
 
     /// A light that an earlier one may hide is not found by chance: what is seen in its direction is the earlier one.

@@ -51,6 +51,8 @@ pub struct Coming<'a> {
     pub primary: bool,
     /// Whether it gathers indirect light: a diffuse or rough scattering was on its way.
     pub gathered: bool,
+    /// Whether it gathers diffuse light, which goes straight through textures.
+    pub ambient: bool,
     /// Its state among antimatter.
     pub clip: Option<&'a Clip>,
 }
@@ -102,15 +104,24 @@ impl World {
 
     /// What a distant source emits. An illum that was not aimed at is its alternate.
     fn shine(&self, source: &Source, origin: Vec3, direction: Vec3, aimed: bool, gathered: bool) -> Option<Emission> {
-        let (mut chain, mut lamp) = (&self.chains[source.chain], source.lamp);
-        let mut material = self.material_of(chain)?;
+        if let (None, Some(probes)) = (source.lamp, &self.probes) {
+            return probes.emission(self, origin, direction);
+        }
+        let (mut chain, mut lamp) = (source.chain, source.lamp);
+        let material = self.material_of(&self.chains[chain])?;
         if let (Material::Illum(_), false) = (&material.material, aimed) {
             if gathered {
                 return None;
             }
-            (chain, lamp) = (&self.chains[material.alternate?], None);
-            material = self.material_of(chain)?;
+            (chain, lamp) = (material.alternate?, None);
         }
+        self.emitted(chain, lamp, origin, direction)
+    }
+
+    /// What a chain emits as a distant source, which is `lamp` if it is one.
+    pub(super) fn emitted(&self, chain: ChainId, lamp: Option<usize>, origin: Vec3, direction: Vec3) -> Option<Emission> {
+        let chain = &self.chains[chain];
+        let material = self.material_of(chain)?;
         let (pattern, _) = apply(&chain.links, &At::distant(direction, origin), Rgb::ONE, Vec3::ZERO);
         Some(match &material.material {
             Material::Glow(radiance, radius) => {
@@ -279,7 +290,7 @@ impl Place<'_> {
             material if !front && !self.rules.back_visible && material.backless() => layer.material = None,
             Material::Illum(_) if aimed.is_none() || aimed != self.found.lamp => {
                 // What gathers light has the illum's own light already; nor may one weak source light through another.
-                if front && (self.coming.gathered || aimed.is_some_and(|lamp| world.lamps[lamp].weak)) {
+                if front && aimed.map_or(self.coming.gathered, |lamp| world.lamps[lamp].weak) {
                     layer.emission = Some(Emission::BLACK);
                     return (self.out)(&layer);
                 }
@@ -290,12 +301,15 @@ impl Place<'_> {
             }
             Material::Mirror(_) => {
                 let relay = aimed.and_then(|lamp| world.lamps[lamp].relay).filter(|r| r.mirror == self.surface);
-                let seen = relay.is_some() || self.coming.gathered && front;
-                if let Some(chain) = named.alternate.filter(|_| !seen) {
+                // What gathers light has the mirror's own already, if its alternate holds back the light beyond.
+                let clear =
+                    |&chain: &ChainId| world.material_of(&world.chains[chain]).is_some_and(|named| named.material.nominally_transparent());
+                let own = self.coming.gathered && front;
+                if let Some(chain) = named.alternate.filter(|chain| relay.is_none() && (!own || clear(chain))) {
                     return self.walk(chain, fraction, Rgb::ONE, Vec3::ZERO);
                 }
                 layer.relay = relay.map(|r| r.lamp);
-                if layer.relay.is_some() || self.coming.gathered {
+                if layer.relay.is_some() || self.coming.ambient {
                     layer.point = self.point(Some(named), front, Vec3::ZERO);
                 }
             }
@@ -353,8 +367,8 @@ impl Place<'_> {
         if perturbation.length_squared() > 1e-12 {
             point.perturbation = perturbation * side;
             point.flat = false;
-            // Light that is gathered, or looked for, goes straight through a texture.
-            point.bends = !self.coming.gathered && self.coming.aim.is_none();
+            // Light that is gathered by all of a hemisphere, or looked for, goes straight through a texture.
+            point.bends = !self.coming.ambient && self.coming.aim.is_none();
             if let Some(mut shading) = (geometric + point.perturbation).try_normalize() {
                 // A normal that is bent away from the viewer is turned back (semantics 3.2).
                 if shading.dot(to_viewer) <= 0.0 {

@@ -1,16 +1,16 @@
 //! anneal: what material it is, by simulated annealing.
 
 use inverad::anneal::Objective;
-use inverad::args::anneal::{AUTO, Arguments, Job};
-use inverad::cli::auto::auto;
+use inverad::args::anneal::{Arguments, Job};
+use inverad::cli::auto::{Taken, opened, take};
 use inverad::cli::exec::{Exec, last_number};
 use inverad::cli::photo::{Direct, Photo};
+use inverad::cli::report::{self, Trail};
 use inverad::cli::search::{Search, Watch};
 use inverad::cli::{self, Answer, Console, Input, Outcome, Output};
 use inverad::error::Error;
-use inverad::rad::{Document, Number};
+use inverad::rad::Number;
 use inverad::recover::{Effort, recover};
-use inverad::unknown::{Unknown, Wishes, retyped};
 use std::path::Path;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
@@ -31,7 +31,7 @@ fn run(arguments: Arguments, console: &Console) -> Outcome<Answer> {
             search.save(&state)?;
             match search.proposal()? {
                 Some(candidate) => Output::whole(output, &candidate).map(|()| Answer::Yes),
-                None => found(&search, &arguments, console).map(|()| Answer::No),
+                None => found(&search, None, &arguments, console).map(|()| Answer::No),
             }
         }
         Job::Tell(state, chi2) => {
@@ -47,7 +47,7 @@ fn run(arguments: Arguments, console: &Console) -> Outcome<Answer> {
             search.annealer().tell(chi2);
             search.save(&state).map(|()| Answer::Yes)
         }
-        Job::Best(state) => found(&kept(&state)?, &arguments, console).map(|()| Answer::Yes),
+        Job::Best(state) => found(&kept(&state)?, None, &arguments, console).map(|()| Answer::Yes),
     }
 }
 
@@ -57,13 +57,13 @@ fn search(start: &str, arguments: &Arguments, console: &Console) -> Outcome<Answ
         (Some(command), _) => {
             let search = begin(start, arguments, arguments.search.state.as_deref())?;
             let unknown = search.unknown().clone();
-            anneal(search, &mut Exec::new(command, &unknown)?, arguments, console)
+            anneal(search, &mut Exec::new(command, &unknown)?, None, arguments, console)
         }
         (None, Some(target)) if photo.direct => {
             let search = begin(start, arguments, arguments.search.state.as_deref())?;
             let unknown = search.unknown().clone();
             let photo = Photo::new(&unknown, target, arguments, console)?;
-            anneal(search, &mut Direct::new(&photo)?, arguments, console)
+            anneal(search, &mut Direct::new(&photo)?, Some(&photo), arguments, console)
         }
         (None, Some(target)) => look(start, target, arguments, console),
         (None, None) => {
@@ -77,54 +77,42 @@ fn search(start: &str, arguments: &Arguments, console: &Console) -> Outcome<Answ
 /// Recovers the material from the picture by the basis of its transport.
 fn look(start: &str, target: &str, arguments: &Arguments, console: &Console) -> Outcome<Answer> {
     let options = arguments.options()?;
-    let (document, wishes) = opened(start, arguments)?;
-    let all = arguments.unknown.kind.as_deref() == Some(AUTO);
-    // What is wished of one type need not be possible for another.
-    let wished = if all { Wishes { material: wishes.material.clone(), ..Wishes::default() } } else { wishes.clone() };
-    let mut unknown = Unknown::new(document.clone(), &wished)?;
-    let first = unknown.clone();
-    let mut photo = Photo::new(&first, target, arguments, console)?;
     let until = arguments.search.time.map(|seconds| Instant::now() + Duration::from_secs_f64(seconds.min(1e9)));
-    let effort = Effort { seed: options.seed, until, tolerance: options.tolerance, quick: false };
-    let (mut title, mut doubts) = (vec![], vec![]);
-    if all {
-        let choice = auto(&document, &wishes, &mut photo, effort, console)?;
-        (unknown, title, doubts) = (choice.unknown, vec![choice.title], choice.doubts);
-    }
-    let found = recover(&photo.evidence(), &unknown, photo.material(), effort, &|so_far| console.progress(|| so_far.into()))?;
+    let effort = Effort { seed: options.seed, until, tolerance: options.tolerance, quick: false, told: &|_| {} };
+    let Taken { photo, mut title, mut doubts } = take(start, target, effort, arguments, console)?;
+    let unknown = photo.unknown();
+    let trail = Trail::new(unknown);
+    let effort = Effort { told: &|found| trail.hear(found), ..effort };
+    let found = recover(&photo.evidence(), unknown, photo.material(), effort, &|so_far| console.progress(|| so_far.into()))?;
     let errors = found.errors();
     title.push(format!("chi2 {} over {} pixels", Number(found.chi2), found.pixels));
     Output::whole(arguments.common.output.as_deref(), &unknown.recovered(&found.values, Some(&errors), &title)?)?;
     doubts.extend(unknown.doubts(&found.values, Some(&errors)));
     doubts.iter().for_each(|doubt| console.warn(doubt));
+    if let Some(path) = &arguments.search.report {
+        report::of_recovery(path, &found, &photo, &trail, console)?;
+    }
     Ok(if options.tolerance.is_none_or(|t| errors.iter().all(|e| *e <= t)) { Answer::Yes } else { Answer::No })
 }
 
-/// START.rad, its material taken for the type that was named, and what is wished of it.
-fn opened(start: &str, arguments: &Arguments) -> Outcome<(Document, Wishes)> {
-    let (name, bytes) = Input::default().read(start)?;
-    let (document, wishes) = (Document::read(&name, bytes)?, arguments.wishes());
-    Ok(match arguments.unknown.kind.as_deref() {
-        Some(AUTO) | None => (document, wishes),
-        Some(kind) => retyped(kind, &document, &wishes)?,
-    })
-}
-
 /// Searches for the unknown with someone who judges each candidate.
-fn anneal(mut search: Search, judge: &mut dyn Objective, arguments: &Arguments, console: &Console) -> Outcome<Answer> {
+fn anneal(
+    mut search: Search,
+    judge: &mut dyn Objective,
+    photo: Option<&Photo>,
+    arguments: &Arguments,
+    console: &Console,
+) -> Outcome<Answer> {
     let options = &arguments.search;
     let time = options.time.map(|seconds| Duration::from_secs_f64(seconds.min(1e9)));
     let watch = Watch { state: options.state.as_deref(), log: options.log.as_deref(), time, steps: options.steps, console };
     let reached = search.run(judge, &watch)?;
-    found(&search, arguments, console)?;
+    found(&search, photo, arguments, console)?;
     Ok(if reached { Answer::Yes } else { Answer::No })
 }
 
 /// The search for the unknown of a file; where the state keeps it, as far as it got.
 fn begin(start: &str, arguments: &Arguments, state: Option<&Path>) -> Outcome<Search> {
-    if arguments.unknown.kind.as_deref() == Some(AUTO) {
-        return Err(Error::new("--type auto compares pictures: it needs --scene and --target, without --exec or --direct").into());
-    }
     let (document, wishes) = opened(start, arguments)?;
     let search = Search::new(&document.source.name, document.bytes(), wishes, arguments.options()?)?;
     Ok(match state {
@@ -138,9 +126,9 @@ fn kept(state: &Path) -> Outcome<Search> {
     Ok(Search::load(state)?.ok_or_else(begin)?)
 }
 
-fn found(search: &Search, arguments: &Arguments, console: &Console) -> Outcome<()> {
+fn found(search: &Search, photo: Option<&Photo>, arguments: &Arguments, console: &Console) -> Outcome<()> {
     let (bytes, doubts) = search.found()?;
     Output::whole(arguments.common.output.as_deref(), &bytes)?;
     doubts.iter().for_each(|doubt| console.warn(doubt));
-    Ok(())
+    arguments.search.report.as_ref().map_or(Ok(()), |path| report::of_search(path, search, photo, console))
 }

@@ -98,6 +98,10 @@ impl Said {
         self.switch("-bv", light.bv, "backs of surfaces are there", "backs of surfaces are not there");
         self.switch("-i", light.irradiance, "irradiance of the first surface instead of its radiance", "radiance");
         self.option("-me", words(&light.me), |_| "what fills the scene absorbs so much of the light per unit of length".into());
+        self.option("--field", light.field.as_ref(), |field| match field.as_str() {
+            "nearest" => "around each point the light is that of the nearest #@probe, if the scene has any".into(),
+            _ => "around each point the light is that of the two nearest #@probe, by 1/distance², if the scene has any".into(),
+        });
         self.option("--ward", light.ward.as_ref(), |_| "the rough lobe of the 2002 paper instead of RADIANCE's present one".into());
     }
 

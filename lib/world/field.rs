@@ -1,0 +1,106 @@
+//! The illumination field: around each point, the sky that was measured nearest to it.
+//!
+//! Each probe is a whole environment, measured at a place. A point is lit by the nearest one, or by its two nearest ones in proportion to
+//! 1/distance². Directions are drawn from the tables of the same probes with the same weights, so that a field costs what one environment does.
+
+use super::{Emission, World};
+use crate::environment::Environment;
+use crate::rules::Field;
+use crate::scene::ChainId;
+use crate::vector::Vec3;
+
+/// The measured environments.
+pub(super) struct Probes {
+    probes: Vec<Probe>,
+    /// The density with which directions are drawn, for each glow that probes name.
+    tables: Vec<Option<Environment>>,
+    field: Field,
+}
+
+/// An environment at its place.
+struct Probe {
+    place: Vec3,
+    chain: ChainId,
+    /// The place of its glow's table.
+    table: usize,
+}
+
+/// A probe and its share in the light at a point.
+type Share<'a> = (&'a Probe, f64);
+
+/// The fewest rows of the table of a probe.
+const FEWEST_ROWS: usize = 64;
+
+impl Probes {
+    /// The probes of a world, with tables that have together as many cells as one of `rows` rows; `None` if there are none.
+    pub(super) fn new(world: &World, places: &[(Vec3, ChainId)], field: Field, rows: usize) -> Option<Self> {
+        let mut glows: Vec<(Vec3, ChainId)> = Vec::new();
+        let mut probes = Vec::new();
+        for &(place, chain) in places {
+            let table = glows.iter().position(|g| g.1 == chain).unwrap_or(glows.len());
+            if table == glows.len() {
+                glows.push((place, chain));
+            }
+            probes.push(Probe { place, chain, table });
+        }
+        let rows = ((rows as f64 / (glows.len().max(1) as f64).sqrt()) as usize).max(FEWEST_ROWS);
+        let radiance = |chain, place, direction| world.emitted(chain, None, place, direction).map_or_else(Default::default, |e| e.radiance);
+        let tables = glows.iter().map(|&(place, chain)| Environment::new(rows, |d| radiance(chain, place, d))).collect();
+        (!probes.is_empty()).then_some(Self { probes, tables, field })
+    }
+
+    /// Which probes light a point, and their shares, which add up to 1.
+    fn near(&self, point: Vec3) -> (Share<'_>, Option<Share<'_>>) {
+        let mut first = (&self.probes[0], f64::INFINITY);
+        let mut second = None;
+        for probe in &self.probes {
+            let near = (probe, probe.place.distance_squared(point));
+            if near.1 < first.1 {
+                (first, second) = (near, Some(first).filter(|f| f.1 < f64::INFINITY));
+            } else if second.is_none_or(|s: Share| near.1 < s.1) && !std::ptr::eq(probe, first.0) {
+                second = Some(near);
+            }
+        }
+        match second {
+            // 1/a : 1/b is b : a, also where the point is at a probe.
+            Some((other, far)) if self.field == Field::Blend && far > 0.0 && far < f64::INFINITY => {
+                let share = far / (first.1 + far);
+                ((first.0, share), Some((other, 1.0 - share)))
+            }
+            _ => ((first.0, 1.0), None),
+        }
+    }
+
+    /// What shines on a point from a direction.
+    pub(super) fn emission(&self, world: &World, point: Vec3, direction: Vec3) -> Option<Emission> {
+        let ((probe, share), other) = self.near(point);
+        let emitted = |probe: &Probe| world.emitted(probe.chain, None, point, direction);
+        let first = emitted(probe)?;
+        let Some((other, rest)) = other.filter(|o| o.0.chain != probe.chain) else { return Some(first) };
+        Some(Emission { radiance: first.radiance * share + emitted(other)?.radiance * rest, ..first })
+    }
+
+    /// Whether directions are aimed at any of the environments.
+    pub(super) fn are_aimed_at(&self) -> bool {
+        self.tables.iter().any(Option::is_some)
+    }
+
+    /// A direction aimed at the environment of a point, and its density.
+    pub(super) fn sample(&self, point: Vec3, [u, v]: [f64; 2]) -> Option<(Vec3, f64)> {
+        let ((probe, share), other) = self.near(point);
+        let (table, u) = match other.filter(|o| o.0.table != probe.table) {
+            Some((other, rest)) if u >= share => (other.table, (u - share) / rest),
+            Some(_) => (probe.table, u / share),
+            None => (probe.table, u),
+        };
+        let (direction, _) = self.tables[table].as_ref()?.sample([u.min(1.0 - f64::EPSILON), v])?;
+        Some((direction, self.pdf(point, direction)))
+    }
+
+    /// The density of [`Probes::sample`].
+    pub(super) fn pdf(&self, point: Vec3, direction: Vec3) -> f64 {
+        let of = |(probe, share): Share| self.tables[probe.table].as_ref().map_or(0.0, |t| share * t.pdf(direction));
+        let (first, other) = self.near(point);
+        of(first) + other.map_or(0.0, of)
+    }
+}
