@@ -115,12 +115,6 @@ pub trait Scattering {
         self.bsdf().sample(part, u)
     }
 
-    /// The expected number of samples of each part, and of directions aimed at the environment, while all ways on are followed: 1, unless
-    /// there is better use for the time.
-    fn rates(&self) -> ([f64; 4], f64) {
-        ([1.0; 4], 1.0)
-    }
-
     /// By how much more a part scatters lamps than indirect light; `None` where lamps must not be found by sampling it.
     fn lamp_ratio(&self, part: Part, wi: Vec3) -> Option<f64> {
         self.bsdf().lamp_ratio(part, wi)
@@ -188,13 +182,16 @@ struct Scattered {
     density: f64,
     /// How much lamps found on this path count: not at all where they are summed by RADIANCE's rule, or behind a mirror.
     lamps: f64,
-    /// The expected number of samples aimed at the environment that share it.
-    shared: f64,
+    /// Whether directions aimed at the environment share it.
+    shared: bool,
 }
 
 /// Below this weight a path goes on by roulette; one that nothing was left to chance for yet, below the second.
 const ROULETTE: f64 = 0.1;
-const EXACT_ROULETTE: f64 = 0.001;
+const EXACT_ROULETTE: f64 = 0.05;
+/// After this many reflections each further one is survived with this probability only: light can be caught in glass for good.
+const MANY: i32 = 24;
+const PATIENCE: f64 = 0.8;
 
 impl<'a, B: Clone> Integrator<'a, B> {
     /// An integrator for a world and rules.
@@ -286,9 +283,9 @@ impl<'a, B: Clone> Integrator<'a, B> {
         transport.meet(&beta, layer);
         let medium = layer.behind.as_ref().unwrap_or(&segment.medium);
         transport.absorb(&mut beta, medium, t);
-        // RADIANCE's weight reckons with a strong medium.
+        // RADIANCE's weight reckons with a strong medium only.
         let dimmed = medium.extinction.min_element() * t;
-        if dimmed > 0.1 {
+        if dimmed > 0.1 || dimmed > 0.0 && !self.rules.limited() {
             weight *= (-dimmed).exp();
         }
         let onward = Segment {
@@ -318,9 +315,7 @@ impl<'a, B: Clone> Integrator<'a, B> {
                     0.0 => 0.0,
                     aimed => s.lamps * s.density / (s.density + aimed),
                 },
-                Emitter::Environment if s.shared > 0.0 => {
-                    s.density / (s.density + s.shared * self.world.environment_pdf(s.origin, s.direction))
-                }
+                Emitter::Environment if s.shared => s.density / (s.density + self.world.environment_pdf(s.origin, s.direction)),
                 Emitter::Environment | Emitter::Glow => 1.0,
                 Emitter::Hidden => 0.0,
             },

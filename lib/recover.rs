@@ -77,15 +77,30 @@ impl Effort<'_> {
         self.quick || self.until.is_some_and(|until| Instant::now() >= until)
     }
 
+    /// The standard error that satisfies for a value.
+    fn near(&self, value: f64) -> f64 {
+        self.tolerance.unwrap_or((NEAR * value.abs()).clamp(NEAREST.0, NEAREST.1))
+    }
+
     /// Whether a recovery is as good as is wished for, or as the picture allows; `before` is what fewer samples gave.
     fn contents(&self, found: &Recovery, before: Option<&Recovery>) -> bool {
-        let errors = found.errors();
-        let near = |i: usize| errors[i] <= self.tolerance.unwrap_or((NEAR * found.values[i].abs()).clamp(NEAREST.0, NEAREST.1));
-        let settled = |i: usize| {
-            found.own.at(i, i) <= OWN * found.covariance.at(i, i)
-                && before.is_some_and(|before| found.covariance.at(i, i) >= GAIN * before.covariance.at(i, i))
+        let gained = |i: usize| before.is_none_or(|before| found.covariance.at(i, i) < GAIN * before.covariance.at(i, i));
+        let settled = |i: usize| self.tolerance.is_none() && found.own.at(i, i) <= OWN * found.covariance.at(i, i) && !gained(i);
+        self.late() || (0..found.values.len()).all(|i| found.covariance.at(i, i).sqrt() <= self.near(found.values[i]) || settled(i))
+    }
+
+    /// How many times as many samples would make it so, as far as can be said.
+    fn lack(&self, found: &Recovery) -> f64 {
+        let lack = |i: usize| {
+            let (all, own, near) = (found.covariance.at(i, i), found.own.at(i, i), self.near(found.values[i]).powi(2));
+            if all <= near {
+                return 1.0;
+            }
+            let photographed = (all - own).max(0.0);
+            let enough = if near > photographed { own / (near - photographed) } else { f64::INFINITY };
+            enough.min(own / (OWN * all))
         };
-        self.late() || (0..errors.len()).all(near) || self.tolerance.is_none() && (0..errors.len()).all(|i| near(i) || settled(i))
+        (0..found.values.len()).map(lack).fold(1.0, f64::max)
     }
 }
 
@@ -94,8 +109,8 @@ const NEAR: f64 = 0.012;
 const NEAREST: (f64, f64) = (0.0001, 0.001);
 
 /// Or what the picture allows: the part of a variance that the rendering may make.
-const OWN: f64 = 0.15;
-/// And the part of a variance that twice the samples must leave over.
+const OWN: f64 = 0.25;
+/// And the part of a variance that more samples must leave over.
 const GAIN: f64 = 0.8;
 
 /// A seed for every tracing.

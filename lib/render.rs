@@ -1,28 +1,32 @@
 //! All pixels of a picture: which rays, how many samples, on how many threads, how large the error is.
 //!
-//! A pixel's samples fall into [`GROUPS`] independently scrambled sequences; the spread of their means is the pixel's error. What a pixel
-//! gets depends on the seed, the pixel and the number of samples only, so any number of threads gives the same picture.
+//! A pixel's samples are dealt to [`SETS`] sequences that are scrambled independently; over all pixels, how far these are apart tells the
+//! error. What a pixel gets depends on the seed, the pixel, its neighbours and the budget only, so any number of threads gives the same
+//! picture. Only time as a budget, and being interrupted, leave traces.
 
 mod features;
+mod part;
+mod pixel;
+mod plan;
 
 pub use features::{Features, coverage, features};
+pub use part::{join, part, range};
+pub use pixel::{GROUPS, Pixel, SETS};
 
-use crate::color::{Rgb, bright};
+use crate::color::Rgb;
 use crate::error::{Error, Result};
 use crate::geometry::Ray;
-use crate::integrator::{Integrator, Outcome, Radiance};
+use crate::integrator::{Integrator, Radiance};
 use crate::picture::{pixel_count, reserve};
 use crate::rules::Rules;
 use crate::sampling::{Sampler, disk};
 use crate::vector::Vec3;
 use crate::view::{Camera, View};
 use crate::world::World;
+use pixel::{MOST, dealt};
+use plan::{FEWEST, Noise, PILOT, next_level, noise, reached, shares, wanted};
 use rayon::prelude::*;
-use std::ops::Range;
 use std::time::{Duration, Instant};
-
-/// The number of independent sequences of a pixel.
-pub const GROUPS: usize = 16;
 
 /// When a picture is good enough.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,6 +37,16 @@ pub enum Budget {
     Samples(u32),
     /// As good as this much time allows.
     Time(Duration),
+}
+
+impl Budget {
+    /// What is left of it once some time is spent, for a rendering that is done `twice`, the second time for its features.
+    pub fn after(self, spent: Duration, twice: bool) -> Self {
+        match self {
+            Self::Time(time) => Self::Time(time.saturating_sub(spent).mul_f64(if twice { 0.45 } else { 1.0 })),
+            other => other,
+        }
+    }
 }
 
 /// The relative standard error that is asked for when nothing is.
@@ -80,101 +94,36 @@ impl Film {
     }
 }
 
-/// What is known of a pixel: sums of its samples, group by group.
-#[derive(Clone, Debug, Default)]
-pub struct Pixel {
-    sums: [[f32; 3]; GROUPS],
-    counts: [u32; GROUPS],
-    /// Whether a sample met a surface.
-    pub surface: bool,
-    /// Whether the pixel is exact: no sample was left to chance.
-    exact: bool,
-}
-
 /// A picture in the making, and its error.
 #[derive(Clone, Debug)]
 pub struct Rendering {
     /// Pixels in the order of their numbers.
     pub pixels: Vec<Pixel>,
-    /// Samples taken of each pixel.
-    pub samples: u32,
-    /// Estimated relative standard error: the root mean square, over the pixels that show a surface, of the standard error of their
-    /// luminance, divided by the mean luminance of those pixels. 0 for a picture without surfaces.
-    pub noise: f64,
+    /// Its error.
+    noise: Noise,
 }
 
-/// The most samples of a pixel that has an error of its own to reach.
-const MOST: u32 = 1 << 20;
-
-/// The fewest such samples of a pixel that is left to chance: fewer may all miss what matters.
-const FEWEST: u32 = 4 * GROUPS as u32;
-
-impl Pixel {
-    /// Takes samples until the pixel by itself is what the budget asks for. `pixel` is its number; `sample` gives the light of one sample.
-    pub fn converged(budget: Budget, seed: u64, pixel: u64, mut sample: impl FnMut(Sampler) -> (Rgb, Outcome)) -> Self {
-        let (start, mut so_far) = (Instant::now(), Self::default());
-        for index in 0..MOST {
-            let done = match budget {
-                Budget::Samples(samples) => index >= samples,
-                Budget::Time(time) => index > 0 && start.elapsed() >= time,
-                Budget::Error(error) => {
-                    index >= FEWEST
-                        && index.is_multiple_of(GROUPS as u32)
-                        && so_far.variance().1.sqrt() <= error * bright(so_far.mean()).abs()
-                }
-            };
-            if done {
-                break;
-            }
-            let group = index as usize % GROUPS;
-            let (light, outcome) = sample(Sampler::new(seed, pixel, group as u32, index / GROUPS as u32));
-            so_far.add(group, light);
-            so_far.surface |= outcome.surface;
-            so_far.exact = !outcome.random;
-            if so_far.exact {
-                break;
-            }
-        }
-        so_far
+impl Rendering {
+    /// A picture of these pixels.
+    fn of(pixels: Vec<Pixel>) -> Self {
+        let noise = noise(&pixels);
+        Self { pixels, noise }
     }
 
-    /// How many samples were taken.
-    pub fn samples(&self) -> u32 {
-        self.counts.iter().sum()
+    /// Estimated relative standard error: the root mean square, over the pixels that show a surface, of the standard error of their
+    /// luminance, divided by the mean luminance of those pixels. 0 for a picture without surfaces.
+    pub fn noise(&self) -> f64 {
+        self.noise.error
     }
 
-    fn add(&mut self, group: usize, value: Rgb) {
-        self.sums[group].iter_mut().zip(value.to_array()).for_each(|(sum, v)| *sum += v as f32);
-        self.counts[group] += 1;
+    /// Samples of a pixel, on the average.
+    pub fn samples(&self) -> f64 {
+        self.pixels.iter().map(|p| p.samples() as f64).sum::<f64>() / self.pixels.len().max(1) as f64
     }
 
-    /// The estimated radiance.
-    pub fn mean(&self) -> Rgb {
-        let count: u32 = self.counts.iter().sum();
-        let sum: Rgb = self.sums.iter().map(|s| Rgb::from(s.map(f64::from))).sum();
-        sum / count.max(1) as f64
-    }
-
-    /// The estimated variance of [`Pixel::mean`], of each channel and of the luminance. Infinite while there are fewer than two groups.
-    pub fn variance(&self) -> (Rgb, f64) {
-        let used = self.counts.iter().filter(|&&c| c > 0).count() as f64;
-        if self.exact {
-            return (Rgb::ZERO, 0.0);
-        }
-        if used < 2.0 {
-            return (Rgb::splat(f64::INFINITY), f64::INFINITY);
-        }
-        let mean = self.mean();
-        let (mut channels, mut luminance, mut total) = (Rgb::ZERO, 0.0, 0.0);
-        for (sum, &count) in self.sums.iter().zip(&self.counts).filter(|(_, c)| **c > 0) {
-            let n = count as f64;
-            let off = Rgb::from(sum.map(f64::from)) / n - mean;
-            channels += off * off * (n * n);
-            luminance += bright(off).powi(2) * n * n;
-            total += n;
-        }
-        let scale = used / (used - 1.0) / (total * total);
-        (channels * scale, luminance * scale)
+    /// The estimated variance of a pixel's mean, of each channel: as its groups show it, reduced to what the picture's error is.
+    pub fn variance(&self, pixel: &Pixel) -> Rgb {
+        pixel.spread().0 * self.noise.factor
     }
 }
 
@@ -187,6 +136,8 @@ pub struct Task<'a> {
     pub rules: &'a Rules,
     /// The number of pixels.
     pub count: usize,
+    /// How many of them are in a row.
+    pub width: usize,
     /// The rays of each.
     pub lens: Lens<'a>,
     /// Over which fraction of its width a pixel is sampled (box filter); 0 samples its centre.
@@ -195,33 +146,59 @@ pub struct Task<'a> {
     pub blur: Option<Blur>,
     /// When it is good enough.
     pub budget: Budget,
+    /// The index of each pixel's first sample; 0 unless a budget of samples is only a part of all.
+    pub first: u32,
     /// Fixes every random choice.
     pub seed: u64,
 }
 
-/// Renders until the budget is spent. `goes_on` is shown the picture after each round; when it says no, the picture so far is the result.
-pub fn render(task: &Task, goes_on: &mut dyn FnMut(&Rendering) -> bool) -> Rendering {
+/// Renders until the budget is spent, or `stop` says so; then the picture so far is the result. `show` is shown it after each round.
+pub fn render(task: &Task, stop: &(dyn Fn() -> bool + Sync), show: &mut dyn FnMut(&Rendering)) -> Rendering {
     let start = Instant::now();
-    let mut rendering = Rendering { pixels: vec![Pixel::default(); task.count], samples: 0, noise: f64::INFINITY };
-    loop {
-        let passes = plan(&rendering, task.budget, start.elapsed());
-        if passes == 0 {
-            return rendering;
-        }
-        let range = rendering.samples..rendering.samples + passes;
-        rendering.pixels.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, pixels)| {
-            let mut integrator = Integrator::new(task.world, task.rules);
-            for (i, pixel) in pixels.iter_mut().enumerate().filter(|(_, p)| !p.exact) {
-                task.sample(&mut integrator, chunk * CHUNK + i, pixel, range.clone());
-            }
-        });
-        rendering.samples += passes;
+    let over = || stop() || matches!(task.budget, Budget::Time(time) if start.elapsed() >= time);
+    let mut rendering = Rendering::of(vec![Pixel::from(task.first); task.count]);
+    let mut round = |rendering: &mut Rendering, wanted: Wanted| {
+        task.round(&mut rendering.pixels, wanted, &over);
         rendering.noise = noise(&rendering.pixels);
-        if !goes_on(&rendering) {
-            return rendering;
+        show(rendering);
+        !over() && rendering.pixels.iter().any(|p| !p.exact)
+    };
+
+    // Should there be no time for every pixel, a coarser picture is better than a part of one, or none.
+    let coarse = |pixels: &mut [Pixel], step: usize, over: &(dyn Fn() -> bool + Sync)| {
+        task.round(pixels, &|number| task.among_first(task.is_on_grid(number, step) as u32), over);
+    };
+    coarse(&mut rendering.pixels, COARSE[0], stop);
+    COARSE[1..].iter().for_each(|&step| coarse(&mut rendering.pixels, step, &over));
+    let fixed = if let Budget::Samples(samples) = task.budget { Some(samples) } else { None };
+    let good = |rendering: &Rendering| matches!(task.budget, Budget::Error(error) if reached(&rendering.noise, error));
+    let uniform = fixed.unwrap_or(PILOT);
+    let mut samples = 1;
+    while round(&mut rendering, &|_| task.among_first(samples)) && samples < uniform && !(samples >= FEWEST && good(&rendering)) {
+        samples = if fixed.is_none() && samples < FEWEST { FEWEST } else { samples.saturating_mul(2).min(uniform) };
+    }
+    if fixed.is_none() && samples == PILOT {
+        let shares = shares(&rendering.pixels, task.width);
+        let mut level = PILOT as f64;
+        while !good(&rendering) && level < 8.0 * MOST as f64 {
+            level = if let Budget::Error(error) = task.budget { next_level(&rendering, level, error) } else { 1.25 * level };
+            if !round(&mut rendering, &|number| wanted(&shares[number], level, number)) {
+                break;
+            }
         }
     }
+    task.fill(&mut rendering.pixels);
+    rendering
 }
+
+/// How many samples of each sequence are wanted of a pixel.
+type Wanted<'a> = &'a (dyn Fn(usize) -> [u32; SETS] + Sync);
+
+/// Steps of the grids of pixels that come before all the others.
+const COARSE: [usize; 3] = [8, 4, 2];
+
+/// After how many samples of a pixel it is asked whether time is over.
+const PATIENCE: u32 = 16;
 
 /// Pixels that a thread takes at a time.
 const CHUNK: usize = 64;
@@ -266,63 +243,71 @@ impl Task<'_> {
         self.jitter == 0.0 && self.blur.is_none()
     }
 
-    /// Takes some samples of a pixel.
-    fn sample(&self, integrator: &mut Integrator<Rgb>, number: usize, pixel: &mut Pixel, samples: Range<u32>) {
-        for index in samples {
-            let group = index as usize % GROUPS;
-            let sampler = Sampler::new(self.seed, number as u64, group as u32, index / GROUPS as u32);
-            let Some(((ray, limit), sampler)) = self.sight(number, sampler) else {
-                pixel.add(group, Rgb::ZERO);
-                pixel.exact = self.fixed();
-                continue;
-            };
-            let mut transport = Radiance { rules: self.rules, sum: Rgb::ZERO };
-            let outcome = integrator.trace(&mut transport, ray, limit, sampler);
-            pixel.add(group, transport.sum);
-            pixel.surface |= outcome.surface;
-            if !outcome.random && self.fixed() {
-                pixel.exact = true;
+    /// Takes samples of each pixel until it has as many as are wanted, or it is all over.
+    fn round(&self, pixels: &mut [Pixel], wanted: Wanted, over: &(dyn Fn() -> bool + Sync)) {
+        pixels.par_chunks_mut(CHUNK).enumerate().filter(|_| !over()).for_each(|(chunk, pixels)| {
+            let mut integrator = Integrator::new(self.world, self.rules);
+            for (i, pixel) in pixels.iter_mut().enumerate().filter(|(_, p)| !p.exact) {
+                let number = chunk * CHUNK + i;
+                for (set, wanted) in wanted(number).into_iter().enumerate() {
+                    self.take(&mut integrator, number, pixel, set, wanted, over);
+                }
+            }
+        });
+    }
+
+    /// Takes samples of a sequence of a pixel.
+    fn take(
+        &self,
+        integrator: &mut Integrator<Rgb>,
+        number: usize,
+        pixel: &mut Pixel,
+        set: usize,
+        wanted: u32,
+        over: &(dyn Fn() -> bool + Sync),
+    ) {
+        while pixel.counts()[set] < wanted && !pixel.exact {
+            let (mut light, mut random) = (Rgb::ZERO, false);
+            if let Some(((ray, limit), sampler)) = self.sight(number, self.sampler(number, set, pixel.next(set))) {
+                let mut transport = Radiance { rules: self.rules, sum: Rgb::ZERO };
+                let outcome = integrator.trace(&mut transport, ray, limit, sampler);
+                (light, random) = (transport.sum, outcome.random);
+                pixel.surface |= outcome.surface;
+            }
+            pixel.add(set, light);
+            pixel.exact = !random && self.fixed();
+            if pixel.counts()[set].is_multiple_of(PATIENCE) && over() {
                 return;
             }
         }
     }
-}
 
-/// The error of a picture, as [`Rendering::noise`] defines it.
-fn noise(pixels: &[Pixel]) -> f64 {
-    let (mut variance, mut light) = (0.0, 0.0);
-    for pixel in pixels.iter().filter(|p| p.surface) {
-        variance += pixel.variance().1;
-        light += bright(pixel.mean());
+    /// The random numbers of a sample of a pixel: of a sequence, at a place.
+    fn sampler(&self, number: usize, set: usize, index: u32) -> Sampler {
+        Sampler::new(self.seed, number as u64, set as u32, index)
     }
-    let shown = pixels.iter().filter(|p| p.surface).count() as f64;
-    if shown == 0.0 || variance == 0.0 { 0.0 } else { (variance / shown).sqrt() / (light / shown).abs() }
-}
 
-/// How many more samples to take of each pixel.
-fn plan(rendering: &Rendering, budget: Budget, elapsed: Duration) -> u32 {
-    let done = rendering.samples;
-    if done > 0 && rendering.pixels.iter().all(|p| p.exact) {
-        return 0;
+    /// How many samples of each sequence are among the first of this task.
+    fn among_first(&self, samples: u32) -> [u32; SETS] {
+        let (before, end) = (dealt(self.first), dealt(self.first + samples));
+        std::array::from_fn(|set| end[set] - before[set])
     }
-    let round = GROUPS as u32;
-    match budget {
-        Budget::Samples(wanted) => (wanted - done).min(done.max(round)),
-        Budget::Error(_) if done == 0 => round,
-        Budget::Error(error) if rendering.noise <= error => 0,
-        Budget::Error(error) => {
-            // Error falls at least as the root of the number of samples; ask for a little more, but never for more than twice as much again.
-            let factor = (rendering.noise / error).powi(2) * 1.05 - 1.0;
-            let more = (factor.clamp(0.05, 2.0) * done as f64) as u32;
-            more.div_ceil(round) * round
-        }
-        Budget::Time(_) if done == 0 => 1,
-        Budget::Time(time) => {
-            // Leave a tenth of what is left, for what follows.
-            let left = time.saturating_sub(elapsed).as_secs_f64() * 0.9;
-            let fits = (left / (elapsed.as_secs_f64() / done as f64)) as u32;
-            // Early rounds are short, so that the pace is known before much is risked.
-            fits.min(done.max(1))
+
+    /// Whether a pixel is on a grid of every `step`-th row and column.
+    fn is_on_grid(&self, number: usize, step: usize) -> bool {
+        (number % self.width).is_multiple_of(step) && (number / self.width).is_multiple_of(step)
+    }
+
+    /// Shows in a pixel that there was no time for the pixel of the finest grid that there was time for.
+    fn fill(&self, pixels: &mut [Pixel]) {
+        for number in 0..pixels.len() {
+            if pixels[number].samples() == 0 {
+                let (x, y) = (number % self.width, number / self.width);
+                let places = COARSE.iter().rev().map(|step| (y - y % step) * self.width + x - x % step);
+                if let Some(near) = places.into_iter().find(|&place| pixels[place].samples() > 0) {
+                    pixels[number] = pixels[near].clone();
+                }
+            }
         }
     }
 }

@@ -90,3 +90,10 @@ impl Default for Rules {
         }
     }
 }
+
+impl Rules {
+    /// Whether RADIANCE's limits hold, rather than a roulette that leaves no bias.
+    pub fn limited(&self) -> bool {
+        self.limit_weight.is_some() || self.limit_reflections.is_some()
+    }
+}

@@ -10,7 +10,7 @@ mod rough;
 mod tests;
 
 pub use clear::Clear;
-pub use rough::{Alpha, Monomials, ORDER, Rough};
+pub use rough::{Alpha, MOST_NODES, Monomials, ORDER, Rough};
 
 use crate::geometry::Ray;
 use crate::integrator::{Integrator, Transport};
@@ -52,8 +52,8 @@ pub struct Basis {
     pub sets: usize,
     /// Columns of a channel: [`Unknown::columns`].
     pub columns: usize,
-    /// Samples of each pixel in each set.
-    pub samples: Vec<u32>,
+    /// Samples of each pixel in each set; of several tracings, the number of equal worth.
+    pub samples: Vec<f32>,
     /// Pixel by pixel, in each set by set, in each channel by channel, in each column by column: the mean over the samples of the set.
     pub values: Vec<f32>,
 }
@@ -73,19 +73,16 @@ impl Basis {
         Self { sets, columns, samples: parts[0].samples.clone(), values: (0..rows).flat_map(row).copied().collect() }
     }
 
-    /// Takes in further samples of the same pixels, traced with another seed.
-    pub fn join(&mut self, other: &Self) {
-        let width = self.sets * 3 * self.columns;
-        let pixels =
-            self.values.par_chunks_mut(width).zip(other.values.par_chunks(width)).zip(self.samples.par_iter_mut()).zip(&other.samples);
-        pixels.for_each(|(((mine, others), samples), &more)| {
-            let total = *samples + more;
-            if more > 0 {
-                let (a, b) = (*samples as f32 / total as f32, more as f32 / total as f32);
-                mine.iter_mut().zip(others).for_each(|(m, o)| *m = a * *m + b * *o);
-            }
-            *samples = total;
+    /// Takes in another tracing of the same pixels, with a part `weight` of the whole. The part must not depend on what was found: a pixel
+    /// that gets more samples because the first were bright would otherwise end up too dark.
+    pub fn join(&mut self, other: &Self, weight: f32) {
+        let (kept, taken) = (1.0 - weight, weight);
+        self.values.par_chunks_mut(4096).zip(other.values.par_chunks(4096)).for_each(|(mine, others)| {
+            mine.iter_mut().zip(others).for_each(|(m, o)| *m = kept * *m + taken * *o);
         });
+        for (mine, other) in self.samples.iter_mut().zip(&other.samples) {
+            *mine = 1.0 / (kept * kept / *mine + taken * taken / other);
+        }
     }
 }
 
@@ -114,15 +111,22 @@ pub fn trace(world: &World, rules: &Rules, unknown: &Unknown, pixels: &Pixels, s
             Unknown::Rough(rough) if rough.nodes.len() <= LANES => {
                 follow(world, rules, pixels.lens, seed, pieces, |columns| rough::Tagging::<1> { rules, unknown: rough, columns });
             }
-            Unknown::Rough(rough) => {
+            Unknown::Rough(rough) if rough.nodes.len() <= 2 * LANES => {
                 follow(world, rules, pixels.lens, seed, pieces, |columns| rough::Tagging::<2> { rules, unknown: rough, columns });
+            }
+            Unknown::Rough(rough) => {
+                follow(world, rules, pixels.lens, seed, pieces, |columns| rough::Tagging::<{ MOST_NODES / LANES }> {
+                    rules,
+                    unknown: rough,
+                    columns,
+                });
             }
             Unknown::Clear(clear) => {
                 follow(world, rules, pixels.lens, seed, pieces, |columns| clear::Dimming { rules, unknown: clear, columns });
             }
         }
     });
-    Basis { sets, columns, samples: pixels.samples.to_vec(), values }
+    Basis { sets, columns, samples: pixels.samples.iter().map(|&n| n as f32).collect(), values }
 }
 
 /// One set of a pixel.

@@ -1,7 +1,9 @@
 //! What a person types to `rtrace-rs`, and what it means as [`Rules`] and [`Budget`].
 
+mod accuracy;
 mod explain;
 
+pub use accuracy::Accuracy;
 pub use explain::{FEATURES, defaults, explain};
 
 use super::{Common, Scenes, ViewWords};
@@ -9,12 +11,10 @@ use crate::color::Rgb;
 use crate::error::{Error, Result};
 use crate::picture::PRIMARIES;
 use crate::rays::Space;
-use crate::render::{Budget, DEFAULT_ERROR};
 use crate::rules::{FRESNEL_OFFSET, Field, Rules, Ward};
 use clap::ArgAction;
 use std::collections::HashSet;
 use std::path::PathBuf;
-use std::time::Duration;
 
 /// Renders RADIANCE scenes. With a view it writes a picture; without one it reads rays on standard input and writes what they see.
 #[derive(clap::Parser, Clone, Debug)]
@@ -55,6 +55,10 @@ pub struct Arguments {
     /// A function file with such definitions
     #[arg(short = 'f', value_name = "FILE", action = ArgAction::Append)]
     pub function_files: Vec<String>,
+
+    /// The files named are parts of a picture, made with --samples: join them
+    #[arg(long, conflicts_with_all = ["error", "spp", "samples", "time"])]
+    pub merge: bool,
 
     /// Leave out surfaces whose material is not supported, and say so, instead of refusing the scene
     #[arg(long)]
@@ -388,24 +392,6 @@ pub struct Tuning {
     pub w: Option<bool>,
 }
 
-/// Accuracy for time: at most one of these.
-#[derive(clap::Args, Clone, Copy, Debug, Default)]
-#[command(next_help_heading = "Accuracy for time")]
-#[group(multiple = false)]
-pub struct Accuracy {
-    /// Stop when the estimated relative standard error is this [default: 0.05]
-    #[arg(long, value_name = "E")]
-    pub error: Option<f64>,
-
-    /// Samples a pixel
-    #[arg(long, value_name = "N")]
-    pub spp: Option<u32>,
-
-    /// The best picture in this many seconds
-    #[arg(long, value_name = "S")]
-    pub time: Option<f64>,
-}
-
 impl AsRef<Common> for Arguments {
     fn as_ref(&self) -> &Common {
         &self.common
@@ -493,20 +479,4 @@ pub fn modifiers(names: &[String], files: &[String], list: &dyn Fn(&str) -> Resu
         all.extend(list(file)?);
     }
     Ok((!names.is_empty() || !files.is_empty()).then_some(all))
-}
-
-impl Accuracy {
-    /// The budget these options ask for.
-    pub fn budget(&self) -> Result<Budget> {
-        let positive = |name: &str, value: f64| match value > 0.0 && value.is_finite() {
-            true => Ok(value),
-            false => Err(Error::new(format!("--{name} must be above 0, not {value}"))),
-        };
-        Ok(match (self.error, self.spp, self.time) {
-            (_, Some(0), _) => return Err(Error::new("--spp must be at least 1")),
-            (_, Some(samples), _) => Budget::Samples(samples),
-            (_, _, Some(seconds)) => Budget::Time(Duration::from_secs_f64(positive("time", seconds)?.min(1e9))),
-            (error, ..) => Budget::Error(positive("error", error.unwrap_or(DEFAULT_ERROR))?),
-        })
-    }
 }

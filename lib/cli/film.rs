@@ -1,10 +1,12 @@
 //! What a program makes of a rendering: a picture file, and beside it variance and other pictures of the same pixels.
 
+use super::stream::Input;
 use super::{Outcome, Output};
+use crate::args::rtrace::Arguments;
 use crate::error::{Error, Result};
 use crate::picture::exr::{Plane, Planes};
 use crate::picture::{Format, Header, Picture, rgb_to_xyz};
-use crate::render::{Features, Film, Rendering};
+use crate::render::{self, Features, Film, Rendering};
 use crate::vector::Vec3;
 use crate::view::View;
 use std::path::Path;
@@ -20,9 +22,9 @@ pub fn header(command: &str, view: &View, film: &Film) -> Header {
     header
 }
 
-/// A picture of these values.
-pub fn picture(film: &Film, header: Header, values: impl Iterator<Item = Vec3>) -> Picture {
-    Picture { width: film.width, height: film.height, header, pixels: values.map(|v| v.to_array().map(|v| v as f32)).collect() }
+/// A picture of these values, so wide and so high.
+pub fn picture((width, height): (usize, usize), header: Header, values: impl Iterator<Item = Vec3>) -> Picture {
+    Picture { width, height, header, pixels: values.map(|v| v.to_array().map(|v| v as f32)).collect() }
 }
 
 /// The same picture in CIE XYZ, Y in cd/m².
@@ -49,12 +51,30 @@ pub fn write(picture: &Picture, path: Option<&Path>, exr: bool) -> Outcome<()> {
     Output::whole(path, &bytes?)
 }
 
-/// The variance of each pixel of a rendering.
-pub fn variance(film: &Film, header: &Header, rendering: &Rendering) -> Result<Vec<u8>> {
-    let variances: Vec<[f32; 3]> = rendering.pixels.iter().map(|p| p.variance().0.to_array().map(|v| v as f32)).collect();
-    let mut planes = empty(film, header);
-    planes.push_picture("variance", &variances);
-    planes.write()
+/// Writes a finished rendering, and its variance where that is asked for.
+pub fn finish(arguments: &Arguments, size: (usize, usize), mut header: Header, rendering: &Rendering) -> Outcome<()> {
+    header.push(&format!("NOISE= {:.6}", rendering.noise()));
+    let options = &arguments.picture;
+    if let Some(path) = &options.variance {
+        let variances = rendering.pixels.iter().map(|p| rendering.variance(p).to_array().map(|v| v as f32));
+        let mut planes = empty(size, &header);
+        planes.push_picture("variance", &variances.collect::<Vec<_>>());
+        Output::whole(Some(path), &planes.write()?)?;
+    }
+    let picture = picture(size, header, rendering.pixels.iter().map(|p| p.mean()));
+    write(&if options.xyz { in_xyz(picture) } else { picture }, arguments.common.output.as_deref(), options.exr)
+}
+
+/// Joins the parts that are named, and writes the whole.
+pub fn merge(arguments: &Arguments) -> Outcome<()> {
+    let input = Input::default();
+    let parts = arguments.scenes.iter().map(|name| {
+        let (name, bytes) = input.read(name)?;
+        let planes = Planes::read(&bytes, &name)?;
+        Ok((name, planes))
+    });
+    let (width, height, header, rendering) = render::join(parts)?;
+    finish(arguments, (width, height), header, &rendering)
 }
 
 /// A file of depths, as rpict -z writes it: a number of 4 bytes for each pixel.
@@ -77,7 +97,7 @@ pub fn aovs(list: &str) -> Result<Vec<&'static str>> {
 
 /// Those pictures, as planes.
 pub fn features(film: &Film, header: &Header, names: &[&str], features: &[Features]) -> Result<Vec<u8>> {
-    let mut planes = empty(film, header);
+    let mut planes = empty((film.width, film.height), header);
     let mut color = |name: &str, of: fn(&Features) -> Vec3| {
         let values: Vec<[f32; 3]> = features.iter().map(|f| of(f).to_array().map(|v| v as f32)).collect();
         planes.push_picture(name, &values);
@@ -101,6 +121,6 @@ pub fn features(film: &Film, header: &Header, names: &[&str], features: &[Featur
     planes.write()
 }
 
-fn empty(film: &Film, header: &Header) -> Planes {
-    Planes { width: film.width, height: film.height, header: header.clone(), planes: Vec::new() }
+fn empty((width, height): (usize, usize), header: &Header) -> Planes {
+    Planes { width, height, header: header.clone(), planes: Vec::new() }
 }

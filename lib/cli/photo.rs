@@ -163,13 +163,16 @@ impl Objective for Direct<'_, '_> {
                 world: &world,
                 rules: &photo.rules,
                 count: self.pixels.len(),
+                width: self.pixels.len(),
                 lens: &|i, at| lens(self.pixels[i], at),
                 jitter: 1.0,
                 blur: None,
                 budget: Budget::Samples(SAMPLES),
+                first: 0,
                 seed: photo.seed,
             },
-            &mut |_| true,
+            &|| false,
+            &mut |_| {},
         );
         // The noise of the rendering adds its variance to chi-squared.
         let chi2 = rendering.pixels.iter().zip(&self.pixels).map(|(pixel, &number)| {

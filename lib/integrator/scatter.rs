@@ -1,6 +1,6 @@
 //! How a path goes on from a surface: in single directions, by samples of its rough parts, aimed at lamps and at the environment.
 
-use super::{EXACT_ROULETTE, Integrator, Kind, ROULETTE, Scattered, Scattering, Segment, Transport};
+use super::{EXACT_ROULETTE, Integrator, Kind, MANY, PATIENCE, ROULETTE, Scattered, Scattering, Segment, Transport};
 use crate::bsdf::{Arriving, Bsdf, Delta, Part};
 use crate::color::Rgb;
 use crate::geometry::Ray;
@@ -25,8 +25,6 @@ struct Ways {
     share: [f64; 6],
     /// The one that is taken; all if `None`.
     chosen: Option<usize>,
-    /// The expected number of directions aimed at the environment.
-    aimed: f64,
 }
 
 impl Ways {
@@ -69,7 +67,7 @@ impl<B: Clone> Integrator<'_, B> {
     /// How to go on from a surface: in every way there is while nothing was left to chance, else in one, chosen in proportion to what it carries.
     fn ways<T: Transport<Beta = B>>(&mut self, transport: &mut T, at: &mut Segment<B>, vertex: &Vertex<T::Surface>) -> Ways {
         let surface = &vertex.surface;
-        let mut ways = Ways { weights: surface.weights(), counts: [0.0; 4], aims: [0.0; 4], share: [1.0; 6], chosen: None, aimed: 1.0 };
+        let mut ways = Ways { weights: surface.weights(), counts: [0.0; 4], aims: [0.0; 4], share: [1.0; 6], chosen: None };
         if at.bounces >= self.rules.ambient_bounces || !vertex.layer.gathers {
             for side in 0..2 {
                 if std::mem::take(&mut ways.weights[side]) > 0.0 && self.rules.ambient_value != Rgb::ZERO {
@@ -86,12 +84,10 @@ impl<B: Clone> Integrator<'_, B> {
                 ways.chosen = Some(self.choose(at, &ways.share));
             }
         }
-        let (rates, aimed) = surface.rates();
-        ways.aimed = if at.exact { aimed } else { 1.0 };
         for part in Part::ALL {
             let k = part as usize;
             if ways.weights[k] > 0.0 && self.spread(part, surface.bsdf()).is_none() {
-                ways.counts[k] = if at.exact { rates[k] } else { ways.share[2 + k] / surface.ways(part) as f64 };
+                ways.counts[k] = if at.exact { 1.0 } else { ways.share[2 + k] / surface.ways(part) as f64 };
             }
         }
         ways.aims = ways.counts;
@@ -144,7 +140,7 @@ impl<B: Clone> Integrator<'_, B> {
     ) {
         let (k, surface) = (part as usize, &vertex.surface);
         let next = At { part, weight: self.factor(ways.weights[k], ways.share[2 + k]), layer: vertex.layer };
-        let mut from = Scattered { origin: at.ray.origin, direction: Vec3::ZERO, density: 0.0, lamps: 0.0, shared: 0.0 };
+        let mut from = Scattered { origin: at.ray.origin, direction: Vec3::ZERO, density: 0.0, lamps: 0.0, shared: false };
         if let Some(spread) = self.spread(part, surface.bsdf()) {
             let mut sampler = at.sampler.fork();
             if let Some((wi, color)) = surface.bsdf().unweighted(part, spread, &mut sampler) {
@@ -159,12 +155,8 @@ impl<B: Clone> Integrator<'_, B> {
         }
         let count = surface.ways(part);
         let only = if at.exact || count == 1 { None } else { Some(((self.draw(at)[0] * count as f64) as usize).min(count - 1)) };
-        from.shared = if ways.aims[k] > 0.0 { ways.aimed } else { 0.0 };
+        from.shared = ways.aims[k] > 0.0;
         for way in (0..count).filter(|&w| only.is_none_or(|o| o == w)) {
-            // A part that is not worth a sample each time gets one now and then.
-            if at.exact && ways.counts[k] < 1.0 && self.draw(at)[0] >= ways.counts[k] {
-                continue;
-            }
             let u = self.draw(at);
             let Some(wi) = surface.sample(part, way, u) else { continue };
             from.direction = surface.bsdf().to_world(wi);
@@ -181,7 +173,7 @@ impl<B: Clone> Integrator<'_, B> {
     /// What a way that carries `carried` and is taken with probability `share` multiplies the weight of a path with: where RADIANCE's limits
     /// are given, what it does there; else what the throughput is on the average multiplied with.
     fn factor(&self, carried: f64, share: f64) -> f64 {
-        if self.rules.limit_weight.is_some() || self.rules.limit_reflections.is_some() { carried } else { carried / share }
+        if self.rules.limited() { carried } else { carried / share }
     }
 
     /// Sends a path on from a rough surface.
@@ -230,7 +222,7 @@ impl<B: Clone> Integrator<'_, B> {
         if delta.reflected
             && let Some(s) = &mut next.scattered
         {
-            (s.lamps, s.shared) = (0.0, 0.0);
+            (s.lamps, s.shared) = (0.0, false);
         }
         let weight = self.factor(delta.coefficient.max_element(), share);
         self.push(transport, next, weight, delta.reflected);
@@ -254,14 +246,15 @@ impl<B: Clone> Integrator<'_, B> {
                 least.unwrap_or(if next.exact { EXACT_ROULETTE } else { ROULETTE })
             }
         };
-        if next.weight < least {
-            let survival = next.weight / least;
+        let patience = if reflected && next.level > MANY && !self.rules.limited() { PATIENCE } else { 1.0 };
+        let survival = patience * (next.weight / least).min(1.0);
+        if survival < 1.0 {
             self.outcome.random = true;
             if !(next.sampler.single() < survival) {
                 return;
             }
             transport.scale(&mut next.beta, Rgb::splat(1.0 / survival));
-            next.weight = least;
+            next.weight = next.weight.max(least);
         }
         self.stack.push(next);
     }
@@ -313,13 +306,10 @@ impl<B: Clone> Integrator<'_, B> {
         if ways.aims == [0.0; 4] || !self.world.has_environment() {
             return;
         }
-        if ways.aimed < 1.0 && self.draw(at)[0] >= ways.aimed {
-            return;
-        }
         let u = self.draw(at);
         let Some((direction, pdf)) = self.world.sample_environment(at.ray.origin, u) else { return };
         let wi = vertex.surface.bsdf().to_local(direction);
-        let beta = transport.aimed(&at.beta, &vertex.surface, wi, Arriving::Indirect, ways.aimed * pdf, &ways.aims);
+        let beta = transport.aimed(&at.beta, &vertex.surface, wi, Arriving::Indirect, pdf, &ways.aims);
         self.shadow(transport, at, vertex.layer, beta, (direction, f64::INFINITY), Emitter::Environment);
     }
 

@@ -28,9 +28,8 @@ const NEARER: f64 = 4.0;
 /// Evaluations of the annealing at each look.
 const STEPS: usize = 300;
 
-/// Distance of the three indices that the pixels are looked at with, and samples of a pixel in each half.
+/// Distance of the three indices that the pixels are looked at with.
 const SPREAD: f64 = 0.004;
-const SAMPLES: [f64; 4] = [8.0, 8.0, 16.0, 32.0];
 
 /// Indices, and the bases there.
 struct Stage<'a> {
@@ -64,6 +63,12 @@ impl<'a> Stage<'a> {
 }
 
 impl Model for Stage<'_> {
+    fn tune(&mut self, _: &[f64], _: Option<&[f64]>) {}
+
+    fn cost(&self) -> f64 {
+        self.parts.len() as f64
+    }
+
     fn trace(&self, pixels: &[usize], samples: &[u32], seed: u64) -> Basis {
         let pixels = Pixels { numbers: pixels, samples, lens: &self.evidence.film.lens() };
         let at = |unknown| transport::trace(self.evidence.world, self.evidence.rules, unknown, &pixels, 2, seed);
@@ -140,7 +145,6 @@ pub fn recover(
     }
 
     // Its bottom, by pixels.
-    let mut shares = vec![1.0; pixels.len()];
     for look in 1.. {
         tell(&format!("look {look}: {:.4?}", best.values));
         let indices = match slot {
@@ -148,19 +152,12 @@ pub fn recover(
             None => vec![fixed],
         };
         let (first, end) = (indices[0], indices[indices.len() - 1]);
-        let stage = Stage::new(evidence, unknown, material, indices);
-        let enough = |found: &Recovery, before: Option<&Recovery>| effort.contents(found, before);
-        let (found, next) = Look { sheet: &sheet, bounds: &bounds, rounds: &SAMPLES, shares: &shares, effort: &effort }.at(
-            &stage,
-            &best.values,
-            &mut seeds,
-            &enough,
-        );
+        let mut stage = Stage::new(evidence, unknown, material, indices);
+        let found = Look { sheet: &sheet, bounds: &bounds, effort: &effort }.at(&mut stage, &best.values, &mut seeds);
         let inside = slot.is_none_or(|i| found.values[i] > first && found.values[i] < end);
         if inside || effort.late() || look == MOST_LOOKS {
             return Ok(found);
         }
-        shares = next;
         best = Point { values: found.values.clone(), chi2: found.chi2 };
     }
     unreachable!()

@@ -22,41 +22,45 @@ pub struct Point {
     pub chi2: f64,
 }
 
-impl Problem<'_> {
-    /// χ² at the values.
-    pub fn chi2(&self, values: &[f64]) -> f64 {
-        self.gram.chi2(&(self.coefficients)(values))
-    }
+/// Derivatives of coefficients by each parameter, by central differences inside the bounds.
+pub fn derivatives(coefficients: &dyn Fn(&[f64]) -> [Vec<f64>; 3], bounds: &[(f64, f64)], values: &[f64]) -> Vec<[Vec<f64>; 3]> {
+    let by = |i: usize| {
+        let (low, high) = bounds[i];
+        let step = (high - low) * 1e-5;
+        let at = |v: f64| {
+            let mut moved = values.to_vec();
+            moved[i] = v.clamp(low, high);
+            (moved[i], coefficients(&moved))
+        };
+        let ((a, below), (b, above)) = (at(values[i] - step), at(values[i] + step));
+        std::array::from_fn(|c| above[c].iter().zip(&below[c]).map(|(x, y)| (x - y) / (b - a).max(f64::MIN_POSITIVE)).collect())
+    };
+    (0..values.len()).map(by).collect()
+}
 
-    /// Derivatives of the coefficients by each parameter, by central differences inside the bounds.
-    pub fn jacobian(&self, values: &[f64]) -> Vec<[Vec<f64>; 3]> {
-        (0..values.len())
-            .map(|i| {
-                let (low, high) = self.bounds[i];
-                let step = (high - low) * 1e-5;
-                let at = |v: f64| {
-                    let mut moved = values.to_vec();
-                    moved[i] = v.clamp(low, high);
-                    (moved[i], (self.coefficients)(&moved))
-                };
-                let ((a, below), (b, above)) = (at(values[i] - step), at(values[i] + step));
-                std::array::from_fn(|c| above[c].iter().zip(&below[c]).map(|(x, y)| (x - y) / (b - a).max(f64::MIN_POSITIVE)).collect())
-            })
-            .collect()
-    }
+/// A sum of squares over values inside bounds.
+pub trait Valley {
+    /// The bounds of the values.
+    fn bounds(&self) -> &[(f64, f64)];
+
+    /// The sum of squares.
+    fn chi2(&self, values: &[f64]) -> f64;
+
+    /// Half its gradient, and Gauss and Newton's matrix.
+    fn normal_equations(&self, values: &[f64]) -> (Vec<f64>, Vec<Vec<f64>>);
 
     /// The minimum near `start`: Gauss and Newton's steps, damped (Levenberg 1944, Marquardt 1963) and kept inside the bounds.
     /// `free` says which parameters move.
-    pub fn polish(&self, start: &[f64], free: &[bool]) -> Point {
+    fn polish(&self, start: &[f64], free: &[bool]) -> Point {
+        let bounds = self.bounds();
         let mut best = Point { values: start.to_vec(), chi2: self.chi2(start) };
         let mut damping = 1e-3;
         for _ in 0..60 {
-            let x = (self.coefficients)(&best.values);
-            let (gradient, matrix) = self.gram.normal_equations(&x, &self.jacobian(&best.values));
+            let (gradient, matrix) = self.normal_equations(&best.values);
             // A parameter at a bound that pushes outward stays there.
             let moving: Vec<usize> = (0..start.len())
                 .filter(|&i| {
-                    let (low, high) = self.bounds[i];
+                    let (low, high) = bounds[i];
                     free[i] && !(best.values[i] <= low && gradient[i] > 0.0) && !(best.values[i] >= high && gradient[i] < 0.0)
                 })
                 .collect();
@@ -74,7 +78,7 @@ impl Problem<'_> {
                 };
                 let mut values = best.values.clone();
                 for (&i, s) in moving.iter().zip(&step) {
-                    values[i] = (values[i] + s).clamp(self.bounds[i].0, self.bounds[i].1);
+                    values[i] = (values[i] + s).clamp(bounds[i].0, bounds[i].1);
                 }
                 let chi2 = self.chi2(&values);
                 if chi2 < best.chi2 {
@@ -90,5 +94,19 @@ impl Problem<'_> {
             }
         }
         best
+    }
+}
+
+impl Valley for Problem<'_> {
+    fn bounds(&self) -> &[(f64, f64)] {
+        self.bounds
+    }
+
+    fn chi2(&self, values: &[f64]) -> f64 {
+        self.gram.chi2(&(self.coefficients)(values))
+    }
+
+    fn normal_equations(&self, values: &[f64]) -> (Vec<f64>, Vec<Vec<f64>>) {
+        self.gram.normal_equations(&(self.coefficients)(values), &derivatives(self.coefficients, self.bounds, values))
     }
 }

@@ -6,15 +6,6 @@
 use crate::transport::Basis;
 use rayon::prelude::*;
 
-/// How the two halves of the samples enter.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Form {
-    /// Their mean, squared. Never negative; rendering noise adds to it and pulls its minimum toward darkness.
-    Whole,
-    /// One half times the other: free of the bias of rendering noise, and not always positive.
-    Halves,
-}
-
 /// The quadratic form of each channel.
 pub struct Gram {
     columns: usize,
@@ -27,8 +18,8 @@ pub struct Gram {
 }
 
 impl Gram {
-    /// Sums over pixels: `target` and `weights` hold three numbers for each pixel of `basis`.
-    pub fn new(basis: &Basis, target: &[[f32; 3]], weights: &[[f32; 3]], form: Form) -> Self {
+    /// Sums over pixels, the two sets of `basis` taken together: `target` and `weights` hold three numbers for each pixel.
+    pub fn new(basis: &Basis, target: &[[f32; 3]], weights: &[[f32; 3]]) -> Self {
         let n = basis.columns;
         let pixels = target.len();
         // Fixed pieces, summed in order: the same bytes for any number of threads.
@@ -37,7 +28,7 @@ impl Gram {
             .map(|piece| {
                 let mut sum = Self::zero(n);
                 for p in piece * PIECE..((piece + 1) * PIECE).min(pixels) {
-                    sum.add(basis, p, target[p], weights[p], form);
+                    sum.add(basis, p, target[p], weights[p]);
                 }
                 sum
             })
@@ -63,36 +54,30 @@ impl Gram {
         }
     }
 
-    fn add(&mut self, basis: &Basis, pixel: usize, target: [f32; 3], weights: [f32; 3], form: Form) {
+    fn add(&mut self, basis: &Basis, pixel: usize, target: [f32; 3], weights: [f32; 3]) {
         let n = self.columns;
         let (first, second) = (basis.pixel(pixel, 0), basis.pixel(pixel, 1));
-        let mut left = vec![0f64; n];
-        let mut right = vec![0f64; n];
         for c in 0..3 {
             let (w, t) = (weights[c] as f64, target[c] as f64);
             if w == 0.0 {
                 continue;
             }
-            for i in 0..n {
-                let (a, b) = (first[c * n + i] as f64, second[c * n + i] as f64);
-                (left[i], right[i]) = if form == Form::Whole { (0.5 * (a + b), 0.5 * (a + b)) } else { (a, b) };
-                self.products[c][i] += w * t * 0.5 * (a + b);
-            }
+            let mean: Vec<f64> = first[c * n..][..n].iter().zip(&second[c * n..]).map(|(a, b)| 0.5 * (a + b) as f64).collect();
+            self.products[c].iter_mut().zip(&mean).for_each(|(p, m)| *p += w * t * m);
             self.total += w * t * t;
-            for (row, &l) in self.squares[c].chunks_exact_mut(n).zip(&left) {
-                let l = l * w;
-                row.iter_mut().zip(&right).for_each(|(g, r)| *g += l * r);
+            for (i, row) in self.squares[c].chunks_exact_mut(n).enumerate() {
+                let l = mean[i] * w;
+                row[..=i].iter_mut().zip(&mean).for_each(|(g, m)| *g += l * m);
             }
         }
     }
 
+    /// Only what stands on and below the diagonal was summed.
     fn symmetrise(&mut self) {
         for g in &mut self.squares {
             for i in 0..self.columns {
                 for j in 0..i {
-                    let mean = 0.5 * (g[i * self.columns + j] + g[j * self.columns + i]);
-                    g[i * self.columns + j] = mean;
-                    g[j * self.columns + i] = mean;
+                    g[j * self.columns + i] = g[i * self.columns + j];
                 }
             }
         }

@@ -1,18 +1,26 @@
 //! A look at the picture: samples where they tell most, the values that explain it best near some others, and how sure they are.
 
-use super::fit::Problem;
-use super::gram::{Form, Gram};
-use super::statistics::{Scores, Sheet, pictures, shares};
+use super::fit::{Valley, derivatives};
+use super::statistics::{Channels, Half, Scores, Sheet, pictures, shares};
 use super::{Effort, Recovery, Seeds};
 use crate::transport::Basis;
+use rayon::prelude::*;
 
 /// A model of the picture near some values of the parameters.
 pub trait Model: Sync {
+    /// Prepares to trace where the values are, as far as is known: its columns stay what they are.
+    fn tune(&mut self, values: &[f64], errors: Option<&[f64]>);
+
     /// Traces two independent estimates of the basis of some pixels.
     fn trace(&self, pixels: &[usize], samples: &[u32], seed: u64) -> Basis;
 
     /// The coefficients of the columns of each channel for values of the parameters.
     fn coefficients(&self, values: &[f64]) -> [Vec<f64>; 3];
+
+    /// What a sample costs, in terms of the simplest model's.
+    fn cost(&self) -> f64 {
+        1.0
+    }
 
     /// The nearest values at which the model can be trusted.
     fn trusted(&self, values: &[f64]) -> Vec<f64>;
@@ -21,8 +29,19 @@ pub trait Model: Sync {
 /// The fewest and the most samples of a pixel in each half of a round, whatever its share.
 const SAMPLES: (f64, f64) = (4.0, 1024.0);
 
+/// Samples of all pixels in each half of the first round, and between how many that may be for one pixel.
+const FIRST: f64 = 80_000.0;
+const FIRST_MEAN: (f64, f64) = (6.0, 64.0);
+
+/// By how much a round may add to all samples before it.
+const GROWTH: (f64, f64) = (0.5, 2.0);
+
+/// The most rounds; and how many samples of all pixels, in each half, are enough where no tolerance is asked for.
+const ROUNDS: usize = 12;
+const BUDGET: f64 = 800_000.0;
+
 /// Steps toward the values that the scores ask for.
-const STEPS: usize = 12;
+const STEPS: usize = 8;
 
 /// What is looked at, and with what in mind.
 pub struct Look<'a> {
@@ -30,58 +49,59 @@ pub struct Look<'a> {
     pub sheet: &'a Sheet<'a>,
     /// Bounds of the parameters.
     pub bounds: &'a [(f64, f64)],
-    /// Mean samples of a pixel in each half, round by round; it ends before the last when the noise of the rendering hardly matters.
-    pub rounds: &'a [f64],
-    /// Which part of the samples each pixel gets; 1 is the mean.
-    pub shares: &'a [f64],
-    /// Who is told what each round finds.
+    /// When it is enough, and who is told what each round finds.
     pub effort: &'a Effort<'a>,
 }
 
 impl Look<'_> {
-    /// Traces and fits, round by round, until what was found is enough, given what was found the round before. Also says which shares would
-    /// have been best.
-    pub fn at(
-        &self,
-        model: &dyn Model,
-        near: &[f64],
-        seeds: &mut Seeds,
-        enough: &dyn Fn(&Recovery, Option<&Recovery>) -> bool,
-    ) -> (Recovery, Vec<f64>) {
+    /// Traces and fits, round by round, until what was found is enough, or lies where the model is not to be trusted. What one round finds
+    /// says where the next samples are worth most.
+    pub fn at(&self, model: &mut dyn Model, near: &[f64], seeds: &mut Seeds) -> Recovery {
         let mut best = near.to_vec();
-        let mut basis: Option<Basis> = None;
+        let mut errors: Option<Vec<f64>> = None;
+        let mut sum: Option<Basis> = None;
         let mut before: Option<Recovery> = None;
-        for (round, mean) in self.rounds.iter().enumerate() {
-            let samples: Vec<u32> = self.shares.iter().map(|share| (mean * share).clamp(SAMPLES.0, SAMPLES.1) as u32).collect();
-            let mut all = model.trace(self.sheet.numbers, &samples, seeds.next());
-            if let Some(basis) = &basis {
-                all.join(basis);
-            }
-            let (found, shares) = self.fit(model, &all, &best);
+        let mut shares = vec![1.0; self.sheet.numbers.len()];
+        let (mut mean, mut total) = ((FIRST / shares.len() as f64).clamp(FIRST_MEAN.0, FIRST_MEAN.1), 0.0);
+        for round in 1.. {
+            model.tune(&best, errors.as_deref());
+            let samples: Vec<u32> = shares.iter().map(|share| (mean * share).clamp(SAMPLES.0, SAMPLES.1) as u32).collect();
+            let traced = model.trace(self.sheet.numbers, &samples, seeds.next());
+            total += mean;
+            let basis = match sum.take() {
+                Some(mut all) => {
+                    all.join(&traced, (mean / total) as f32);
+                    all
+                }
+                None => traced,
+            };
+            let found;
+            (found, shares) = self.fit(model, &basis, &best);
             (self.effort.told)(&found);
-            if round + 1 == self.rounds.len() || enough(&found, before.as_ref()) {
-                return (found, shares);
+            let strayed = model.trusted(&found.values) != found.values;
+            let spent = self.effort.tolerance.is_none() && total * shares.len() as f64 * model.cost() >= BUDGET;
+            if strayed || spent || round == ROUNDS || self.effort.contents(&found, before.as_ref()) {
+                return found;
             }
-            best = found.values.clone();
-            (basis, before) = (Some(all), Some(found));
+            mean = total * (self.effort.lack(&found) - 1.0).clamp(GROWTH.0, GROWTH.1);
+            (best, errors) = (found.values.clone(), Some(found.errors()));
+            (sum, before) = (Some(basis), Some(found));
         }
         unreachable!("a look has rounds")
     }
 
-    /// The values that explain the picture best, near some.
+    /// The values that explain the picture best, near some; and which shares of further samples would be best.
     fn fit(&self, model: &dyn Model, basis: &Basis, near: &[f64]) -> (Recovery, Vec<f64>) {
         let sheet = self.sheet;
         let halves = pictures(basis, &model.coefficients(near));
         let variance = sheet.variance(&halves, &basis.samples);
         let weights = sheet.by_variance(&halves, &variance, &basis.samples);
-        let gram = Gram::new(basis, &sheet.target, &weights, Form::Whole);
-        let problem = Problem { gram: &gram, coefficients: &|v| model.coefficients(v), bounds: self.bounds };
         // The bottom of the whole χ², which is safe to find though its place is biased by the noise of the rendering.
-        let mut values = problem.polish(near, &vec![true; near.len()]).values;
+        let whole = Whole { model, basis, target: &sheet.target, weights: &weights, bounds: self.bounds };
+        let mut values = whole.polish(near, &vec![true; near.len()]).values;
         let scores = |values: &[f64]| {
             let halves = pictures(basis, &model.coefficients(values));
-            let derivatives = problem.jacobian(values).iter().map(|j| pictures(basis, j)).collect();
-            Scores::new(sheet, &weights, halves, derivatives, self.bounds)
+            Scores::new(sheet, &weights, halves, whole.derivatives(values), self.bounds)
         };
         // From there to where the scores vanish, which has no such bias.
         let mut now = scores(&values);
@@ -97,7 +117,7 @@ impl Look<'_> {
             size = taken;
             values = moved;
             now = scores(&values);
-            if taken < 0.02 {
+            if taken < 0.05 {
                 break;
             }
         }
@@ -105,5 +125,80 @@ impl Look<'_> {
         let (covariance, own) = now.covariances();
         let losses = now.losses(&sheet.relative());
         (Recovery { values, covariance, own, chi2: now.chi2(), pixels: sheet.numbers.len(), losses }, next)
+    }
+}
+
+/// χ² of the mean of both halves, pixel by pixel.
+struct Whole<'a> {
+    model: &'a dyn Model,
+    basis: &'a Basis,
+    target: &'a Channels,
+    weights: &'a Channels,
+    bounds: &'a [(f64, f64)],
+}
+
+impl Whole<'_> {
+    /// The derivative of each half by each parameter.
+    fn derivatives(&self, values: &[f64]) -> Vec<Vec<Half>> {
+        let coefficients = |v: &[f64]| self.model.coefficients(v);
+        derivatives(&coefficients, self.bounds, values).iter().map(|j| pictures(self.basis, j)).collect()
+    }
+
+    /// Sums what `part` says of each pixel and channel with the mean of both halves there.
+    fn sum<T: Send>(&self, zero: impl Fn() -> T + Sync, part: impl Fn(&mut T, usize) + Sync, join: impl Fn(&mut T, T)) -> T {
+        let count = self.target.len();
+        // Fixed pieces, summed in order: the same bytes for any number of threads.
+        let pieces: Vec<T> = (0..count.div_ceil(PIECE))
+            .into_par_iter()
+            .map(|piece| {
+                let mut sum = zero();
+                (piece * PIECE..((piece + 1) * PIECE).min(count)).for_each(|p| part(&mut sum, p));
+                sum
+            })
+            .collect();
+        let mut sum = zero();
+        pieces.into_iter().for_each(|piece| join(&mut sum, piece));
+        sum
+    }
+}
+
+/// Pixels that are summed at a time.
+const PIECE: usize = 512;
+
+impl Valley for Whole<'_> {
+    fn bounds(&self) -> &[(f64, f64)] {
+        self.bounds
+    }
+
+    fn chi2(&self, values: &[f64]) -> f64 {
+        let halves = pictures(self.basis, &self.model.coefficients(values));
+        let pixel = |sum: &mut f64, p: usize| {
+            for c in 0..3 {
+                let rest = self.target[p][c] as f64 - 0.5 * (halves[0][p][c] + halves[1][p][c]);
+                *sum += self.weights[p][c] as f64 * rest * rest;
+            }
+        };
+        self.sum(|| 0.0, pixel, |sum, piece| *sum += piece)
+    }
+
+    fn normal_equations(&self, values: &[f64]) -> (Vec<f64>, Vec<Vec<f64>>) {
+        let halves = pictures(self.basis, &self.model.coefficients(values));
+        let derivatives = self.derivatives(values);
+        let n = values.len();
+        let pixel = |sum: &mut Vec<f64>, p: usize| {
+            for c in 0..3 {
+                let w = self.weights[p][c] as f64;
+                let rest = 0.5 * (halves[0][p][c] + halves[1][p][c]) - self.target[p][c] as f64;
+                let d = |i: usize| 0.5 * (derivatives[i][0][p][c] + derivatives[i][1][p][c]);
+                for i in 0..n {
+                    let wd = w * d(i);
+                    sum[i] += wd * rest;
+                    (0..=i).for_each(|j| sum[n + i * n + j] += wd * d(j));
+                }
+            }
+        };
+        let sums = self.sum(|| vec![0.0; n + n * n], pixel, |sum, piece| sum.iter_mut().zip(piece).for_each(|(s, p)| *s += p));
+        let at = |i: usize, j: usize| sums[n + i.max(j) * n + i.min(j)];
+        (sums[..n].to_vec(), (0..n).map(|i| (0..n).map(|j| at(i, j)).collect()).collect())
     }
 }

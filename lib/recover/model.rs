@@ -44,36 +44,42 @@ pub fn parts(kind: Kind, a: &[f64]) -> [[f64; 3]; 4] {
     ]
 }
 
-/// The coefficients of red's, green's and blue's columns for the real arguments `a`, in a basis with nodes at the roughnesses `grid` (rising;
-/// anisotropic nodes are their square grid, u slowest).
-pub fn coefficients(kind: Kind, monomials: &Monomials, grid: &[f64], a: &[f64]) -> [Vec<f64>; 3] {
+/// The roughnesses of nodes along the two tangents, rising; without anisotropy the first alone counts.
+pub type Grid = [Vec<f64>; 2];
+
+/// The coefficients of red's, green's and blue's columns for the real arguments `a`, in a basis with nodes on `grid` (anisotropic nodes are all
+/// pairs, u slowest).
+pub fn coefficients(kind: Kind, monomials: &Monomials, grid: &Grid, a: &[f64]) -> [Vec<f64>; 3] {
     let parts = parts(kind, a);
     let nodes = nodes(kind, grid, &a[4..if kind.anisotropic { 6 } else { 5 }]);
     std::array::from_fn(|c| {
         let product = |m: usize| monomials.exponents[m].iter().zip(parts).map(|(&e, p)| p[c].powi(e as i32)).product::<f64>();
-        monomials.column().map(|(m, node)| product(m) * node.map_or(1.0, |n| nodes[n])).collect()
+        let products: Vec<f64> = (0..monomials.exponents.len()).map(product).collect();
+        monomials.column().map(|(m, node)| products[m] * node.map_or(1.0, |n| nodes[n])).collect()
     })
 }
 
 /// The weights of the nodes at a roughness.
-fn nodes(kind: Kind, grid: &[f64], roughness: &[f64]) -> Vec<f64> {
-    let grid: Vec<f64> = grid.iter().map(|a| a.ln()).collect();
-    let at = |a: f64| cubic(&grid, a.abs().max(1e-9).ln());
-    let u = at(roughness[0]);
+fn nodes(kind: Kind, grid: &Grid, roughness: &[f64]) -> Vec<f64> {
+    let at = |axis: usize| {
+        let grid: Vec<f64> = grid[axis].iter().map(|a| a.ln()).collect();
+        cubic(&grid, roughness[axis].abs().max(1e-9).ln())
+    };
+    let u = at(0);
     match kind.anisotropic {
         false => u,
         true => {
-            let v = at(roughness[1]);
+            let v = at(1);
             u.iter().flat_map(|u| v.iter().map(move |v| u * v)).collect()
         }
     }
 }
 
-/// The roughnesses of the nodes of a basis, squared, for a grid along one axis.
-pub fn alphas(kind: Kind, grid: &[f64]) -> Vec<Alpha> {
+/// The roughnesses of the nodes of a basis, squared.
+pub fn alphas(kind: Kind, grid: &Grid) -> Vec<Alpha> {
     match kind.anisotropic {
-        false => grid.iter().map(|a| [a * a; 2]).collect(),
-        true => grid.iter().flat_map(|u| grid.iter().map(move |v| [u * u, v * v])).collect(),
+        false => grid[0].iter().map(|a| [a * a; 2]).collect(),
+        true => grid[0].iter().flat_map(|u| grid[1].iter().map(move |v| [u * u, v * v])).collect(),
     }
 }
 

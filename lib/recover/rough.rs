@@ -1,47 +1,90 @@
 //! Recovery of plastic, metal, trans and their anisotropic kin.
 
-use super::fit::{Point, Problem};
-use super::gram::{Form, Gram};
+use super::fit::{Point, Problem, Valley};
+use super::gram::Gram;
 use super::look::{Look, Model};
-use super::model::{Kind, alphas, coefficients, parts};
+use super::model::{Grid, Kind, alphas, coefficients, parts};
 use super::statistics::Sheet;
 use super::{Effort, Evidence, Recovery, Seeds};
 use crate::anneal::{Annealer, Options};
 use crate::color::Rgb;
 use crate::error::Result;
+use crate::sampling::mix64;
 use crate::scene::MaterialId;
-use crate::transport::{self, Basis, Pixels, Rough};
+use crate::transport::{self, Alpha, Basis, Pixels, Rough};
 use crate::unknown::Unknown;
 
 /// The smallest roughness that a node stands for; below it a lobe is hardly to be told from a mirror's.
 const SMOOTHEST: f64 = 0.002;
 
-/// Nodes of the first look.
-const COARSE: usize = 16;
+/// Nodes along an axis, of isotropic and of anisotropic materials, and the ratio of neighbours at a closer look.
+const NODES: (usize, f64) = (16, 1.2);
+const ANISOTROPIC_NODES: (usize, f64) = (8, 1.3);
+
+/// The first look: about so many pixels, samples of each in each half, and roughnesses from which directions are drawn.
+const FIRST_PIXELS: usize = 2500;
+const FIRST_SAMPLES: u32 = 4;
+const FIRST_PROPOSALS: usize = 5;
+
 /// Evaluations of the annealing.
 const STEPS: usize = 2000;
 
-/// What a stage works with.
+/// Looks before the search gives up to keep the answer inside the nodes.
+const MOST_LOOKS: usize = 10;
+
+/// Where directions are drawn from, in terms of the roughness: when it is hardly known, and when its relative standard error is below this.
+const WIDE: [f64; 3] = [0.3, 1.0, 3.0];
+const NARROW: [f64; 2] = [0.8, 1.3];
+const KNOWN: f64 = 0.05;
+
+/// What a look works with.
 struct Stage<'a> {
     evidence: &'a Evidence<'a>,
     unknown: &'a Unknown,
     kind: Kind,
     /// Roughnesses of the nodes.
-    grid: Vec<f64>,
+    grid: Grid,
     what: transport::Unknown,
 }
 
 impl<'a> Stage<'a> {
-    /// A stage with these nodes, all seen along directions from these proposals.
-    fn new(evidence: &'a Evidence<'a>, unknown: &'a Unknown, material: MaterialId, kind: Kind, grid: Vec<f64>, proposals: &[f64]) -> Self {
-        let nodes = alphas(kind, &grid);
-        let proposals = proposals.iter().map(|a| [a * a; 2]).collect();
-        let rough = Rough::new(material, kind.metal, kind.transmits, nodes, proposals);
+    /// A stage with these nodes, all seen along directions drawn from these roughnesses.
+    fn new(evidence: &'a Evidence<'a>, unknown: &'a Unknown, material: MaterialId, kind: Kind, grid: Grid, proposals: Vec<Alpha>) -> Self {
+        let rough = Rough::new(material, kind.metal, kind.transmits, alphas(kind, &grid), proposals);
         Self { evidence, unknown, kind, grid, what: transport::Unknown::Rough(Box::new(rough)) }
+    }
+
+    /// Whether the roughnesses of the values lie well inside the nodes.
+    fn holds(&self, values: &[f64]) -> bool {
+        self.axes().all(|(axis, slot)| {
+            let (a, grid) = (values[slot].abs(), &self.grid[axis]);
+            a <= SMOOTHEST || a > grid[1] && a < grid[grid.len() - 2]
+        })
+    }
+
+    /// The axes whose roughness is unknown, and its place among the parameters.
+    fn axes(&self) -> impl Iterator<Item = (usize, usize)> {
+        let count = if self.kind.anisotropic { 2 } else { 1 };
+        self.unknown.slots()[4..4 + count].iter().enumerate().filter_map(|(axis, slot)| Some((axis, (*slot)?)))
     }
 }
 
+/// The roughnesses along the two tangents that the real arguments `a` say.
+fn roughness(kind: Kind, a: &[f64]) -> [f64; 2] {
+    [a[4], a[if kind.anisotropic { 5 } else { 4 }]].map(|a| a.abs().max(SMOOTHEST))
+}
+
 impl Model for Stage<'_> {
+    fn tune(&mut self, values: &[f64], errors: Option<&[f64]>) {
+        let a = self.unknown.reals(values);
+        let middle = roughness(self.kind, &a);
+        let known = self.axes().all(|(axis, slot)| errors.is_some_and(|e| e[slot] < KNOWN * middle[axis]));
+        let factors: &[f64] = if known { &NARROW } else { &WIDE };
+        let transport::Unknown::Rough(rough) = &mut self.what else { unreachable!() };
+        rough.propose(factors.iter().map(|f| middle.map(|m| (f * m).powi(2))).collect());
+        rough.guess = Some(parts(self.kind, &a).map(Rgb::from));
+    }
+
     fn trace(&self, pixels: &[usize], samples: &[u32], seed: u64) -> Basis {
         let pixels = Pixels { numbers: pixels, samples, lens: &self.evidence.film.lens() };
         transport::trace(self.evidence.world, self.evidence.rules, &self.what, &pixels, 2, seed)
@@ -54,20 +97,20 @@ impl Model for Stage<'_> {
 
     fn trusted(&self, values: &[f64]) -> Vec<f64> {
         let mut values = values.to_vec();
-        if let Some(i) = self.unknown.slots()[4] {
-            values[i] = values[i].clamp(self.grid[0], self.grid[self.grid.len() - 1]);
+        for (axis, slot) in self.axes() {
+            values[slot] = values[slot].clamp(self.grid[axis][0], self.grid[axis][self.grid[axis].len() - 1]);
         }
         values
     }
 }
 
-/// Nodes in equal ratio from `low` to `high`.
+/// Roughnesses in equal ratio from `low` to `high`.
 fn geometric(low: f64, high: f64, count: usize) -> Vec<f64> {
     (0..count).map(|i| low * (high / low).powf(i as f64 / (count - 1) as f64)).collect()
 }
 
-/// Nodes in the ratio `ratio` around `middle`.
-fn around(middle: f64, ratio: f64, count: usize) -> Vec<f64> {
+/// Roughnesses in the ratio `ratio` around `middle`.
+fn around(middle: f64, (count, ratio): (usize, f64)) -> Vec<f64> {
     (0..count).map(|i| middle * ratio.powf(i as f64 - (count - 1) as f64 / 2.0)).collect()
 }
 
@@ -82,106 +125,78 @@ pub fn recover(
 ) -> Result<Recovery> {
     let name = unknown.material().kind.as_str();
     let kind = Kind::named(name).ok_or_else(|| unknown.material().error(format!("{name} is not a rough material")))?;
-    let parameters = unknown.parameters();
-    let bounds: Vec<(f64, f64)> = parameters.iter().map(|p| (p.low, p.high)).collect();
-    let sheet = Sheet::new(evidence, pixels);
-    let slot = unknown.slots()[4];
-    let fixed = unknown.material().reals[4].abs();
-    let (low, high) = slot.map_or((fixed, fixed), |i| bounds[i]);
-    let (low, high) = (low.max(SMOOTHEST), high.max(SMOOTHEST * 1.5));
-
-    // A first look at all roughnesses.
-    tell("first look");
-    let stage = Stage::new(evidence, unknown, material, kind, geometric(low, high, COARSE), &geometric(low.max(0.004), high, 5));
-    let basis = stage.trace(pixels, &vec![FIRST_SAMPLES; pixels.len()], effort.seed);
-    let gram = Gram::new(&basis, &sheet.target, &sheet.relative(), Form::Whole);
-    let problem = Problem { gram: &gram, coefficients: &|v| stage.coefficients(v), bounds: &bounds };
-    let mut best = search(&problem, unknown, effort.seed, &stage.grid, slot)?;
-
-    // Closer looks at what is left of them, each around the answer of the one before, until it stays well inside.
-    let roughness = |values: &[f64]| unknown.reals(values)[4].abs().max(SMOOTHEST);
+    let nodes = if kind.anisotropic { ANISOTROPIC_NODES } else { NODES };
+    let bounds: Vec<(f64, f64)> = unknown.parameters().iter().map(|p| (p.low, p.high)).collect();
     let mut seeds = Seeds::new(effort.seed);
-    let mut last = false;
-    let mut shares = vec![1.0; pixels.len()];
+
+    // A first look at all roughnesses, by some of the pixels.
+    tell("first look");
+    let step = pixels.len().div_ceil(FIRST_PIXELS) as u64;
+    let some: Vec<usize> = pixels.iter().copied().filter(|&p| mix64(p as u64).is_multiple_of(step)).collect();
+    let sheet = Sheet::new(evidence, if some.is_empty() { pixels } else { &some });
+    let known = roughness(kind, &unknown.material().reals);
+    let range = |axis: usize| {
+        let slot = unknown.slots()[if kind.anisotropic { 4 + axis } else { 4 }];
+        let (low, high) = slot.map_or((known[axis], known[axis]), |i| bounds[i]);
+        (low.max(SMOOTHEST), high.max(SMOOTHEST * 1.5).max(low * 1.01))
+    };
+    let [u, v] = [range(0), range(1)];
+    let proposals = geometric(u.0.min(v.0).max(2.0 * SMOOTHEST), u.1.max(v.1), FIRST_PROPOSALS).iter().map(|a| [a * a; 2]).collect();
+    let stage = Stage::new(evidence, unknown, material, kind, [u, v].map(|(low, high)| geometric(low, high, nodes.0)), proposals);
+    let basis = stage.trace(sheet.numbers, &vec![FIRST_SAMPLES; sheet.numbers.len()], seeds.next());
+    let gram = Gram::new(&basis, &sheet.target, &sheet.relative());
+    let problem = Problem { gram: &gram, coefficients: &|v| stage.coefficients(v), bounds: &bounds };
+    let mut best = search(&problem, &stage, effort.seed)?;
+
+    // Closer looks, each around the answer of the one before, until it stays well inside.
+    let sheet = Sheet::new(evidence, pixels);
     for look in 1.. {
-        tell(&format!("look {look}: {:.4?}", best.values));
-        let middle = roughness(&best.values);
-        let (nodes, ratio, proposals) = match last {
-            false => (2 * transport::LANES, 1.25, vec![middle * 0.3, middle, middle * 3.0]),
-            true => (transport::LANES, 1.15, vec![middle * 0.8, middle * 1.3]),
-        };
-        let mut stage = Stage::new(evidence, unknown, material, kind, around(middle, ratio, nodes), &proposals);
-        stage.economise(&best.values);
-        let rounds: &[f64] = if last { &LAST_SAMPLES } else { &CLOSE_SAMPLES };
-        let near = |found: &Recovery| slot.is_none_or(|i| found.errors()[i] < NEAR * roughness(&found.values)) || effort.late();
-        let enough = |found: &Recovery, before: Option<&Recovery>| if last { effort.contents(found, before) } else { near(found) };
-        let (found, next) =
-            Look { sheet: &sheet, bounds: &bounds, rounds, shares: &shares, effort: &effort }.at(&stage, &best.values, &mut seeds, &enough);
-        shares = next;
-        best = Point { values: found.values.clone(), chi2: found.chi2 };
-        let a = roughness(&best.values);
-        let inside = slot.is_none() || (a > stage.grid[1] && a < stage.grid[nodes - 2]) || a == SMOOTHEST;
-        if last && inside || look == MOST_LOOKS {
+        tell(&format!("look {look}: {best:.4?}"));
+        let grid = roughness(kind, &unknown.reals(&best)).map(|middle| around(middle, nodes));
+        let mut stage = Stage::new(evidence, unknown, material, kind, grid, vec![]);
+        let found = Look { sheet: &sheet, bounds: &bounds, effort: &effort }.at(&mut stage, &best, &mut seeds);
+        if stage.holds(&found.values) || look == MOST_LOOKS || effort.late() {
             return Ok(found);
         }
-        last |= inside;
+        best = found.values;
     }
     unreachable!()
 }
 
-/// Looks before the search gives up to keep the answer inside the nodes.
-const MOST_LOOKS: usize = 10;
-
-/// Samples of a pixel in each half, round by round: of a closer look, and of the last one.
-const CLOSE_SAMPLES: [f64; 5] = [16.0, 16.0, 32.0, 64.0, 128.0];
-const LAST_SAMPLES: [f64; 6] = [16.0, 16.0, 32.0, 64.0, 128.0, 256.0];
-
-/// A closer look has found the roughness when its relative standard error is this.
-const NEAR: f64 = 0.1;
-
-/// Samples of a pixel at the first look, in each half.
-const FIRST_SAMPLES: u32 = 4;
-
-impl Stage<'_> {
-    /// Samples each part as often as it is worth with these values.
-    fn economise(&mut self, values: &[f64]) {
-        let a = self.unknown.reals(values);
-        let transport::Unknown::Rough(rough) = &mut self.what else { unreachable!() };
-        let color = (a[0] + a[1] + a[2]) / 3.0;
-        let (diffuse, specular) = (color * (1.0 - a[3]), if self.kind.metal { color * a[3] } else { a[3] });
-        let worth = (2.0 * diffuse / specular.max(1e-3)).clamp(0.125, 1.0);
-        rough.guess = Some(parts(self.kind, &a).map(Rgb::from));
-        rough.rates = [worth, 1.0, if a[4] < 0.05 { worth } else { 1.0 }];
-    }
-}
-
 /// The deepest valley: annealing inside the bounds, and descents from every roughness in case it was not found.
-fn search(problem: &Problem, unknown: &Unknown, seed: u64, grid: &[f64], roughness: Option<usize>) -> Result<Point> {
+fn search(problem: &Problem, stage: &Stage, seed: u64) -> Result<Vec<f64>> {
+    let parameters = stage.unknown.parameters();
     let options = Options {
         seed,
         steps: STEPS,
-        groups: unknown.groups().to_vec(),
+        groups: stage.unknown.groups().to_vec(),
         stages: vec![1.0],
         polish: false,
         tolerance: None,
         residuals: None,
     };
-    let mut annealer = Annealer::new(unknown.parameters().to_vec(), options)?;
+    let mut annealer = Annealer::new(parameters.to_vec(), options)?;
     while let Some(values) = annealer.propose() {
         let chi2 = problem.chi2(values);
         annealer.tell(chi2);
     }
-    let all = vec![true; unknown.parameters().len()];
+    let all = vec![true; parameters.len()];
     let mut starts: Vec<Vec<f64>> = annealer.best().map(|b| b.values).into_iter().collect();
-    for &a in grid {
-        let mut values: Vec<f64> = unknown.parameters().iter().map(|p| 0.5 * (p.low + p.high)).collect();
+    let axes: Vec<(usize, usize)> = stage.axes().collect();
+    // Every roughness; of two, every other pair.
+    let (count, stride) = if axes.len() == 2 { (stage.grid[0].len().pow(2) / 4, 2) } else { (stage.grid[0].len(), 1) };
+    for start in 0..count {
+        let mut values: Vec<f64> = parameters.iter().map(|p| 0.5 * (p.low + p.high)).collect();
         let mut free = all.clone();
-        if let Some(i) = roughness {
-            values[i] = a.clamp(unknown.parameters()[i].low, unknown.parameters()[i].high);
-            free[i] = false;
+        let mut rest = start;
+        for &(axis, slot) in &axes {
+            let along = stage.grid[axis].len() / stride;
+            values[slot] = stage.grid[axis][(rest % along) * stride].clamp(parameters[slot].low, parameters[slot].high);
+            free[slot] = false;
+            rest /= along;
         }
         starts.push(problem.polish(&values, &free).values);
     }
-    let found = starts.iter().map(|start| problem.polish(start, &all)).min_by(|a, b| a.chi2.total_cmp(&b.chi2));
-    Ok(found.unwrap_or(Point { values: starts.swap_remove(0), chi2: f64::INFINITY }))
+    let found: Option<Point> = starts.iter().map(|start| problem.polish(start, &all)).min_by(|a, b| a.chi2.total_cmp(&b.chi2));
+    Ok(found.map_or_else(|| starts.swap_remove(0), |point| point.values))
 }

@@ -7,6 +7,8 @@ use rayon::prelude::*;
 
 /// Three numbers for each pixel that counts.
 pub type Channels = Vec<[f32; 3]>;
+/// The same of an estimate.
+pub type Half = Vec<[f64; 3]>;
 
 /// The pixels that count, where they lie, and what was photographed there.
 pub struct Sheet<'a> {
@@ -84,26 +86,29 @@ impl<'a> Sheet<'a> {
 
     /// The variance of one sample of each pixel, with what its neighbours say of it. `halves` are two independent estimates, of `samples`
     /// samples each. Glints make it differ by orders of magnitude from pixel to pixel, so the pixel itself must have a say in it.
-    pub fn variance(&self, halves: &[Vec<[f64; 3]>], samples: &[u32]) -> Vec<[f64; 3]> {
-        let own = |(i, &n): (usize, &u32)| std::array::from_fn(|c| 0.5 * (halves[0][i][c] - halves[1][i][c]).powi(2) * n as f64);
+    pub fn variance(&self, halves: &[Half], samples: &[f32]) -> Vec<[f64; 3]> {
+        let own = |(i, &n): (usize, &f32)| std::array::from_fn(|c| 0.5 * (halves[0][i][c] - halves[1][i][c]).powi(2) * n as f64);
         self.blurred(&samples.iter().enumerate().map(own).collect::<Vec<_>>(), 1)
     }
 
     /// Weights that go by the variance of a sample.
-    pub fn by_variance(&self, halves: &[Vec<[f64; 3]>], variance: &[[f64; 3]], samples: &[u32]) -> Channels {
+    pub fn by_variance(&self, halves: &[Half], variance: &[[f64; 3]], samples: &[f32]) -> Channels {
         let mean: Vec<[f64; 3]> = halves[0].iter().zip(&halves[1]).map(|(a, b)| std::array::from_fn(|c| 0.5 * (a[c] + b[c]))).collect();
         let mean = self.blurred(&mean, 2);
         let floor = (0.01 * self.level).powi(2);
         let photographed = self.samples(halves, variance);
         let weight = |i: usize| {
-            let share = 1.0 / photographed + 0.5 / samples[i].max(1) as f64;
-            self.masked(i, std::array::from_fn(|c| 1.0 / (variance[i][c] * share + (MISFIT * mean[i][c]).powi(2) + floor)))
+            let share = 1.0 / photographed + 0.5 / samples[i] as f64;
+            let weight: [f64; 3] = std::array::from_fn(|c| 1.0 / (variance[i][c] * share + (MISFIT * mean[i][c]).powi(2) + floor));
+            let rest = |c: usize, half: usize| self.target[i][c] as f64 - halves[half][i][c];
+            let off = (0..3).map(|c| weight[c] * rest(c, 0) * rest(c, 1)).sum::<f64>() / (3.0 * OUTLIER.powi(2));
+            self.masked(i, weight.map(|w| w / off.max(1.0).sqrt()))
         };
         (0..self.numbers.len()).map(weight).collect()
     }
 
     /// How many samples a pixel of the target seems to hold, from what is left of it: what a photograph lacks in noise it has in misfit.
-    fn samples(&self, halves: &[Vec<[f64; 3]>], variance: &[[f64; 3]]) -> f64 {
+    fn samples(&self, halves: &[Half], variance: &[[f64; 3]]) -> f64 {
         let weights = self.relative();
         let (mut noise, mut rest) = (0.0, 0.0);
         for (i, w) in weights.iter().enumerate() {
@@ -119,15 +124,21 @@ impl<'a> Sheet<'a> {
 
 /// Between how many samples a pixel of the target is taken to hold.
 const TARGET_SAMPLES: (f64, f64) = (4.0, 1000.0);
+/// How many standard errors a pixel may be off and count fully. Where few samples have missed what glints now and then, its variance is
+/// underrated; beyond this its pull does not grow (Huber 1964).
+const OUTLIER: f64 = 4.0;
 /// And the relative misfit of a perfect photograph.
 const MISFIT: f64 = 0.01;
 
-/// The picture that each set of a basis makes of the coefficients `x`.
-pub fn pictures(basis: &Basis, x: &[Vec<f64>; 3]) -> Vec<Vec<[f64; 3]>> {
+/// The picture that each set of a basis makes of the coefficients `x`. What is 0 in x costs nothing.
+pub fn pictures(basis: &Basis, x: &[Vec<f64>; 3]) -> Vec<Half> {
     let n = basis.columns;
+    let terms = |c: usize| x[c].iter().enumerate().filter(|(_, v)| **v != 0.0).map(|(i, v)| (c * n + i, *v)).collect();
+    let terms: [Vec<(usize, f64)>; 3] = std::array::from_fn(terms);
     let pixels = basis.values.len() / (basis.sets * 3 * n);
-    let value = |columns: &[f32], c: usize| x[c].iter().zip(&columns[c * n..]).map(|(x, v)| x * *v as f64).sum::<f64>();
-    let picture = |set| (0..pixels).into_par_iter().map(|p| std::array::from_fn(|c| value(basis.pixel(p, set), c))).collect();
+    let value = |columns: &[f32], c: usize| terms[c].iter().map(|&(i, v)| v * columns[i] as f64).sum::<f64>();
+    let picture =
+        |set| (0..pixels).into_par_iter().with_min_len(512).map(|p| std::array::from_fn(|c| value(basis.pixel(p, set), c))).collect();
     (0..basis.sets).map(picture).collect()
 }
 
@@ -140,9 +151,9 @@ pub struct Scores<'a> {
     sheet: &'a Sheet<'a>,
     weights: &'a Channels,
     /// The picture of each half.
-    halves: Vec<Vec<[f64; 3]>>,
+    halves: Vec<Half>,
     /// Its derivative by each parameter, of each half.
-    derivatives: Vec<Vec<Vec<[f64; 3]>>>,
+    derivatives: Vec<Vec<Half>>,
     /// How far each derivative is to be trusted at each pixel.
     trust: Vec<Vec<f64>>,
     /// The inverse of the matrix that takes values to scores; `None` if the pixels do not determine the values.
@@ -155,14 +166,8 @@ pub struct Scores<'a> {
 
 impl<'a> Scores<'a> {
     /// The scores where `halves` are the pictures and `derivatives` their derivatives by parameters with these bounds.
-    pub fn new(
-        sheet: &'a Sheet<'a>,
-        weights: &'a Channels,
-        halves: Vec<Vec<[f64; 3]>>,
-        derivatives: Vec<Vec<Vec<[f64; 3]>>>,
-        bounds: &[(f64, f64)],
-    ) -> Self {
-        let trust = derivatives.iter().map(|d| trust(sheet, weights, d)).collect();
+    pub fn new(sheet: &'a Sheet<'a>, weights: &'a Channels, halves: Vec<Half>, derivatives: Vec<Vec<Half>>, bounds: &[(f64, f64)]) -> Self {
+        let trust = derivatives.par_iter().map(|d| trust(sheet, weights, d)).collect();
         let prior = bounds.iter().map(|(low, high)| 12.0 / (high - low).powi(2).max(f64::MIN_POSITIVE)).collect();
         let mut scores = Self { sheet, weights, halves, derivatives, trust, inverse: None, prior, errors: vec![] };
         let n = scores.derivatives.len();
@@ -251,7 +256,7 @@ impl<'a> Scores<'a> {
 }
 
 /// How far the derivatives of two halves agree around each pixel: 0 where they are noise, 1 where they are the same.
-fn trust(sheet: &Sheet, weights: &Channels, derivative: &[Vec<[f64; 3]>]) -> Vec<f64> {
+fn trust(sheet: &Sheet, weights: &Channels, derivative: &[Half]) -> Vec<f64> {
     let sums = |p: usize| {
         let (mut common, mut whole) = (0.0, 0.0);
         for c in 0..3 {

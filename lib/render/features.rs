@@ -1,6 +1,6 @@
 //! Other pictures of the same pixels: what stands there, how it is lit.
 
-use super::{GROUPS, Rendering, Task};
+use super::{Rendering, Task};
 use crate::bsdf::{Arriving, Bsdf, Delta, Part};
 use crate::color::Rgb;
 use crate::geometry::Ray;
@@ -35,26 +35,24 @@ pub fn features(task: &Task, rendering: &Rendering) -> Vec<Features> {
         .map_init(
             || Integrator::new(task.world, task.rules),
             |integrator, number| {
-                let mut watch = Watch { colors: Radiance { rules: task.rules, sum: Rgb::ZERO }, sum: Features::default(), met: 0 };
-                let mut samples = 0;
-                for index in 0..rendering.samples {
-                    let sampler = Sampler::new(task.seed, number as u64, (index as usize % GROUPS) as u32, index / GROUPS as u32);
-                    samples += 1;
-                    let random = task
-                        .sight(number, sampler)
-                        .is_some_and(|((ray, limit), sampler)| integrator.trace(&mut watch, ray, limit, sampler).random);
-                    if !random && task.fixed() {
-                        break;
+                let taken = rendering.pixels[number].counts();
+                let sets = taken.iter().filter(|&&count| count > 0).count().max(1) as f64;
+                let (mut whole, mut depth, mut met) = (Features::default(), 0.0, 0);
+                for (set, &count) in taken.iter().enumerate() {
+                    let mut watch = Watch { colors: Radiance { rules: task.rules, sum: Rgb::ZERO }, sum: Features::default(), met: 0 };
+                    for index in 0..count {
+                        if let Some(((ray, limit), sampler)) = task.sight(number, task.sampler(number, set, index)) {
+                            integrator.trace(&mut watch, ray, limit, sampler);
+                        }
                     }
+                    let share = 1.0 / (sets * count.max(1) as f64);
+                    whole.normal += watch.sum.normal * share;
+                    whole.albedo += watch.sum.albedo * share;
+                    whole.direct += watch.sum.direct * share;
+                    whole.indirect += watch.sum.indirect * share;
+                    (depth, met) = (depth + watch.sum.depth, met + watch.met);
                 }
-                let (n, sum) = (1.0 / samples.max(1) as f64, watch.sum);
-                Features {
-                    normal: sum.normal * n,
-                    depth: if watch.met > 0 { sum.depth / watch.met as f64 } else { f64::INFINITY },
-                    albedo: sum.albedo * n,
-                    direct: sum.direct * n,
-                    indirect: sum.indirect * n,
-                }
+                Features { depth: if met > 0 { depth / met as f64 } else { f64::INFINITY }, ..whole }
             },
         )
         .collect()

@@ -86,9 +86,19 @@ impl Setting<'_> {
     pub fn picture(&self, world: &World, rules: &Rules, film: &Film, samples: Option<u32>) -> Picture {
         let count = film.width * film.height;
         let samples = samples.unwrap_or((SAMPLES / count as f64).clamp(EACH.0, EACH.1) as u32);
-        let task =
-            Task { world, rules, count, lens: &film.lens(), jitter: 1.0, blur: None, budget: Budget::Samples(samples), seed: self.seed };
-        let pixels = render(&task, &mut |_| true).pixels;
+        let task = Task {
+            world,
+            rules,
+            count,
+            width: film.width,
+            lens: &film.lens(),
+            jitter: 1.0,
+            blur: None,
+            budget: Budget::Samples(samples),
+            first: 0,
+            seed: self.seed,
+        };
+        let pixels = render(&task, &|| false, &mut |_| {}).pixels;
         let pixels = pixels.iter().map(|p| p.mean().to_array().map(|v| v as f32)).collect();
         Picture { width: film.width, height: film.height, header: Header::default(), pixels }
     }

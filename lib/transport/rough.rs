@@ -97,7 +97,7 @@ pub struct Rough {
     pub metal: bool,
     /// Whether it transmits.
     pub transmits: bool,
-    /// The roughnesses at which lobes are evaluated; at most 2·[`LANES`].
+    /// The roughnesses at which lobes are evaluated; at most [`MOST_NODES`].
     pub nodes: Vec<Alpha>,
     /// The roughnesses from which directions are drawn.
     proposals: Vec<Alpha>,
@@ -105,8 +105,6 @@ pub struct Rough {
     pub monomials: Monomials,
     /// What the coefficients of the four parts may be taken for where a path meets the unknown more often than [`ORDER`]; without, it ends.
     pub guess: Option<[Rgb; 4]>,
-    /// How many samples the first hit gets: of its diffuse parts, of each proposal, of the environment.
-    pub rates: [f64; 3],
     /// The nodes in lanes: inverses of the two squared roughnesses, and of the root of their product. Lanes without a node are 0.
     lanes: Vec<Lanes>,
     /// The proposals, likewise.
@@ -116,18 +114,27 @@ pub struct Rough {
 /// Inverses of the two squared roughnesses, and of the root of their product.
 type Lanes = (f32x8, f32x8, f32x8);
 
+/// The most roughnesses of a basis.
+pub const MOST_NODES: usize = 8 * LANES;
+
+fn lanes(roughnesses: &[Alpha]) -> Vec<Lanes> {
+    let lane = |f: &dyn Fn(&Alpha) -> f64, chunk: &[Alpha]| f32x8::from(std::array::from_fn(|i| chunk.get(i).map_or(0.0, |a| f(a) as f32)));
+    let inverses = |c: &[Alpha]| (lane(&|a| 1.0 / a[0], c), lane(&|a| 1.0 / a[1], c), lane(&|a| 1.0 / (a[0] * a[1]).sqrt(), c));
+    roughnesses.chunks(LANES).map(inverses).collect()
+}
+
 impl Rough {
     /// A material explored at the roughnesses `nodes`, all on the same directions, drawn from the roughnesses `proposals`.
     pub fn new(material: MaterialId, metal: bool, transmits: bool, nodes: Vec<Alpha>, proposals: Vec<Alpha>) -> Self {
-        let lane =
-            |f: &dyn Fn(&Alpha) -> f64, chunk: &[Alpha]| f32x8::from(std::array::from_fn(|i| chunk.get(i).map_or(0.0, |a| f(a) as f32)));
-        let lanes = |roughnesses: &[Alpha]| -> Vec<Lanes> {
-            let inverses = |c: &[Alpha]| (lane(&|a| 1.0 / a[0], c), lane(&|a| 1.0 / a[1], c), lane(&|a| 1.0 / (a[0] * a[1]).sqrt(), c));
-            roughnesses.chunks(LANES).map(inverses).collect()
-        };
-        let (in_lanes, drawn) = (lanes(&nodes), lanes(&proposals));
         let monomials = Monomials::new(transmits, nodes.len());
-        Self { material, metal, transmits, nodes, proposals, monomials, guess: None, rates: [1.0; 3], lanes: in_lanes, drawn }
+        let (in_lanes, drawn) = (lanes(&nodes), lanes(&proposals));
+        Self { material, metal, transmits, nodes, proposals, monomials, guess: None, lanes: in_lanes, drawn }
+    }
+
+    /// Draws directions from these roughnesses from now on.
+    pub fn propose(&mut self, proposals: Vec<Alpha>) {
+        self.drawn = lanes(&proposals);
+        self.proposals = proposals;
     }
 }
 
@@ -191,7 +198,7 @@ impl<const L: usize> Tagging<'_, L> {
                 Ward::Original => tilt * wi.z / (4.0 * PI * (wi.z * wo.z).sqrt()),
             } as f32;
             let densities = (h.length_squared() / (2.0 * PI * h.z.powi(3))) as f32;
-            let nodes: Nodes<L> = std::array::from_fn(|l| gaussian(self.unknown.lanes[l]));
+            let nodes: Nodes<L> = std::array::from_fn(|l| self.unknown.lanes.get(l).map_or(f32x8::ZERO, |&lanes| gaussian(lanes)));
             let drawn: f32 = self.unknown.drawn.iter().map(|&lanes| gaussian(lanes).reduce_add()).sum();
             (nodes.map(|n| n * scale), (drawn * densities) as f64)
         } else {
@@ -381,13 +388,6 @@ impl Scattering for Surface<'_> {
                 (shape.passes(wi) && (wi.z < 0.0) as usize == part.side()).then_some(wi)
             }
             _ => self.bsdf().sample(part, u),
-        }
-    }
-
-    fn rates(&self) -> ([f64; 4], f64) {
-        match self {
-            Self::Known(_) => ([1.0; 4], 1.0),
-            Self::Unknown { unknown, .. } => ([unknown.rates[0], unknown.rates[0], unknown.rates[1], unknown.rates[1]], unknown.rates[2]),
         }
     }
 

@@ -8,7 +8,7 @@ use crate::expand::expand;
 use crate::integrator::Scattering;
 use crate::material::Inside;
 use crate::rad::Document;
-use crate::recover::model::{Kind, coefficients};
+use crate::recover::model::{Kind, alphas, coefficients};
 use crate::resolve::Files;
 use crate::rules::Rules;
 use crate::scene::{MaterialId, Scene};
@@ -102,9 +102,6 @@ impl<S: Scattering> Scattering for Surface<S> {
     }
     fn sample(&self, part: Part, way: usize, u: [f64; 2]) -> Option<Vec3> {
         self.guide.sample(part, way, u)
-    }
-    fn rates(&self) -> ([f64; 4], f64) {
-        self.guide.rates()
     }
     fn lamp_ratio(&self, part: Part, wi: Vec3) -> Option<f64> {
         self.guide.lamp_ratio(part, wi)
@@ -212,12 +209,12 @@ fn plain<'c, T: Columns<'c>>(world: &World, rules: &Rules, picture: &'c mut [f32
 /// One basis against renderings with five sets of numbers, at roughnesses that are nodes.
 fn check_rough(kind: Kind, name: &str, sets: [&[f64]; 5]) {
     let rules = Rules { ambient_bounces: 3, ..Rules::default() };
-    let grid = [0.05, 0.08, 0.12, 0.2, 0.3];
+    let grid = [vec![0.05, 0.08, 0.12, 0.2, 0.3], vec![]];
     let write = |a: &[f64]| format!("{name} thing 0 0 {} {}", a.len(), a.iter().map(|v| v.to_string() + " ").collect::<String>());
     let (start, material) = world(&write(sets[0]), &rules);
-    let nodes: Vec<[f64; 2]> = grid.iter().map(|a| [a * a; 2]).collect();
+    let nodes: Vec<[f64; 2]> = alphas(kind, &grid);
     let rough = Rough::new(material, kind.metal, kind.transmits, nodes, [0.06, 0.15].map(|a| [a * a; 2]).to_vec());
-    assert!(grid.len() <= LANES);
+    assert!(grid[0].len() <= LANES);
     let unknown = Unknown::Rough(Box::new(rough.clone()));
     let basis = basis(&start, &rules, &unknown);
     for a in sets {

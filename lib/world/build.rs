@@ -17,7 +17,7 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 /// The rows of the table of an environment.
-const ENVIRONMENT_ROWS: usize = 512;
+const ENVIRONMENT_ROWS: usize = 256;
 
 /// The most lamps, those seen in mirrors included.
 const LAMP_LIMIT: usize = 100_000;

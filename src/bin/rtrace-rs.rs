@@ -6,7 +6,7 @@ use inverad::cli::rays::{Stream, answer};
 use inverad::cli::{self, Answer, Console, Disk, Outcome, Output, film, interrupted};
 use inverad::error::{Error, Result, Source};
 use inverad::rays::{Fields, Format, Teller, lengths};
-use inverad::render::{Film, Task, coverage, features, render};
+use inverad::render::{Film, Task, coverage, features, part, render};
 use inverad::resolve::Resolve;
 use inverad::rules::Rules;
 use inverad::scene::{MaterialId, Scene};
@@ -14,15 +14,20 @@ use inverad::vector::Vec3;
 use inverad::world::World;
 use std::process::ExitCode;
 use std::sync::Arc;
+use std::time::Instant;
 
 fn main() -> ExitCode {
     cli::main("rtrace-rs", run)
 }
 
 fn run(args: Arguments, console: &Console) -> Outcome<Answer> {
+    let start = Instant::now();
     if args.defaults || args.features {
         let text = if args.features { FEATURES.into() } else { defaults(&args) };
         return Output::whole(None, text.as_bytes()).map(|()| Answer::Yes);
+    }
+    if args.merge {
+        return film::merge(&args).map(|()| Answer::Yes);
     }
     if args.explain {
         explain(&args).lines().for_each(|line| console.note(line));
@@ -34,7 +39,7 @@ fn run(args: Arguments, console: &Console) -> Outcome<Answer> {
     let list = |file: &str| cli::list(&disk, file);
     let rules = args.light.rules(&list)?;
     args.picture.possible()?;
-    if args.view.words.is_empty() { rays(&args, &rules, &disk, &list, console) } else { picture(&args, &rules, &disk, console) }
+    if args.view.words.is_empty() { rays(&args, &rules, &disk, &list, console) } else { picture(&args, &rules, &disk, start, console) }
 }
 
 /// The world of the scene that was named.
@@ -54,6 +59,9 @@ fn world(args: &Arguments, rules: &Rules, disk: &Disk, console: &Console) -> Out
 /// Answers the rays on standard input.
 fn rays(args: &Arguments, rules: &Rules, disk: &Disk, list: &dyn Fn(&str) -> Result<Vec<String>>, console: &Console) -> Outcome<Answer> {
     let options = &args.rays;
+    if args.accuracy.samples.is_some() {
+        return Err(Error::new("--samples is for pictures: give a view (-vf FILE, -vp …)").into());
+    }
     if args.scenes.iter().any(|name| name == "-") {
         return Err(Error::new("standard input holds the rays; name the files of the scene, or give a view (-vf FILE, -vp …)").into());
     }
@@ -88,12 +96,12 @@ fn rays(args: &Arguments, rules: &Rules, disk: &Disk, list: &dyn Fn(&str) -> Res
     Ok(Answer::Yes)
 }
 
-/// Renders the picture of a view.
-fn picture(args: &Arguments, rules: &Rules, disk: &Disk, console: &Console) -> Outcome<Answer> {
+/// Renders the picture of a view, within the time since `start` where time is limited.
+fn picture(args: &Arguments, rules: &Rules, disk: &Disk, start: Instant, console: &Console) -> Outcome<Answer> {
     let options = &args.picture;
     let view = cli::view(&args.view)?;
-    let size = |given: Option<usize>| given.unwrap_or(512);
-    let film = Film::new(&view, size(options.x), size(options.y), options.pa.unwrap_or(1.0))?;
+    let film = Film::new(&view, options.x.unwrap_or(512), options.y.unwrap_or(512), options.pa.unwrap_or(1.0))?;
+    let size = (film.width, film.height);
     let budget = args.accuracy.budget()?;
     let aovs = options.aov.as_ref().map(|words| film::aovs(&words[0])).transpose()?;
     let world = world(args, rules, disk, console)?;
@@ -103,38 +111,39 @@ fn picture(args: &Arguments, rules: &Rules, disk: &Disk, console: &Console) -> O
         world: &world,
         rules,
         count: film.width * film.height,
+        width: film.width,
         lens: &film.lens(),
         jitter: options.pj.unwrap_or(1.0),
         blur: film.blur(options.pd.unwrap_or(0.0)),
-        budget,
+        budget: budget.after(start.elapsed(), aovs.is_some()),
+        first: args.accuracy.first(),
         seed: args.common.seed,
     };
-    let mut header = film::header(console.trail(), &view, &film);
+    let header = film::header(console.trail(), &view, &film);
     let output = args.common.output.as_deref();
     if let Some(name) = &options.coverage {
         let materials: Vec<MaterialId> = (0..world.materials().len()).filter(|&m| world.materials()[m].name == *name).collect();
         if materials.is_empty() {
             return Err(Error::new(format!("--coverage {name}: no surface has a material of this name")).into());
         }
-        let covered = film::picture(&film, header, coverage(&task, &materials).into_iter().map(Vec3::splat));
-        film::write(&covered, output, options.exr)?;
-        return Ok(Answer::Yes);
+        let covered = film::picture(size, header, coverage(&task, &materials).into_iter().map(Vec3::splat));
+        return film::write(&covered, output, options.exr).map(|()| Answer::Yes);
     }
     if let Some(path) = &options.z {
         Output::whole(Some(path), &film::depths(&lengths(&task)))?;
     }
-    let rendering = render(&task, &mut |so_far| {
-        console.progress(|| format!("{} samples a pixel, error {:.2} %", so_far.samples, 100.0 * so_far.noise));
-        !stop()
+    let rendering = render(&task, &stop, &mut |so_far| {
+        console.progress(|| format!("{:.0} samples a pixel, error {:.2} %", so_far.samples(), 100.0 * so_far.noise()));
     });
-    header.push(&format!("NOISE= {:.6}", rendering.noise));
-    if let Some(path) = &options.variance {
-        Output::whole(Some(path), &film::variance(&film, &header, &rendering)?)?;
+    if let Some(range) = &args.accuracy.samples {
+        if stop() {
+            return Err(Error::new("interrupted: a part of the samples of a part is of no use").into());
+        }
+        let planes = part(film.width, film.height, header, range, &rendering);
+        return Output::whole(output, &planes.write()?).map(|()| Answer::Yes);
     }
     if let (Some(names), Some([_, path])) = (aovs, options.aov.as_deref()) {
         Output::whole(Some(path.as_ref()), &film::features(&film, &header, &names, &features(&task, &rendering))?)?;
     }
-    let picture = film::picture(&film, header, rendering.pixels.iter().map(|p| p.mean()));
-    film::write(&if options.xyz { film::in_xyz(picture) } else { picture }, output, options.exr)?;
-    Ok(Answer::Yes)
+    film::finish(args, size, header, &rendering).map(|()| Answer::Yes)
 }
