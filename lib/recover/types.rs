@@ -14,9 +14,9 @@ const MISFIT: f64 = 3e-4;
 const BLOCK: usize = 8;
 /// A type is excluded when another is better by so many standard errors.
 const EXCLUDED: f64 = 2.0;
-/// Coefficients are the same when they differ by less than so many standard errors, or by so little.
+/// Coefficients are the same when they differ by less than so many standard errors, taken between two limits.
 const SAME: f64 = 3.0;
-const SAME_AT_LEAST: f64 = 0.003;
+const SAME_WITHIN: (f64, f64) = (0.003, 0.05);
 
 /// The picture recovered as one type.
 pub struct Trial {
@@ -82,7 +82,10 @@ impl Trial {
     /// Whether it reflects and transmits the same as another, as far as both are sure.
     fn same(&self, other: &Self) -> bool {
         let (Some(mine), Some(others)) = (&self.lobes, &other.lobes) else { return false };
-        let near = |(a, b): (&(f64, f64), &(f64, f64))| (a.0 - b.0).abs() < SAME_AT_LEAST.max(SAME * (a.1 + b.1).max(0.0).sqrt());
+        let near = |(a, b): (&(f64, f64), &(f64, f64))| {
+            let error = SAME * (a.1 + b.1).max(0.0).sqrt();
+            (a.0 - b.0).abs() < error.clamp(SAME_WITHIN.0, SAME_WITHIN.1)
+        };
         mine.iter().zip(others).all(near)
     }
 }
@@ -141,7 +144,7 @@ pub fn choose(trials: &[Trial], sample: &Sample) -> Verdict {
     let loss = |t: &Trial| t.recovery.losses.iter().sum::<f64>();
     let best = (0..trials.len()).min_by(|&a, &b| loss(&trials[a]).total_cmp(&loss(&trials[b]))).expect("there is a trial");
     let distance = |i: usize, from: usize| if i == from { 0.0 } else { vuong(&trials[i], &trials[from], &sample.blocks) };
-    let open: Vec<usize> = (0..trials.len()).filter(|&i| distance(i, best) < EXCLUDED).collect();
+    let open: Vec<usize> = (0..trials.len()).filter(|&i| distance(i, best) < EXCLUDED || trials[i].same(&trials[best])).collect();
     // Of those that say the same the first counts; then the simplest; then the nearest.
     let first = |i: usize| open.iter().copied().find(|&j| j == i || trials[j].same(&trials[i])).unwrap_or(i);
     let chosen = open.iter().map(|&i| first(i)).min_by(|&a, &b| {
@@ -149,11 +152,13 @@ pub fn choose(trials: &[Trial], sample: &Sample) -> Verdict {
         trials[a].free.cmp(&trials[b].free).then(nearer)
     });
     let chosen = chosen.unwrap_or(best);
-    let standing = |i: usize| match distance(i, best) {
-        _ if i == chosen || trials[i].contains(&trials[chosen]) => Standing::Same,
-        z if z >= EXCLUDED => Standing::Excluded(distance(i, chosen).max(EXCLUDED)),
-        _ if trials[i].same(&trials[chosen]) => Standing::Same,
-        _ => Standing::Open,
+    let standing = |i: usize| {
+        let same = i == chosen || trials[i].same(&trials[chosen]) || trials[i].contains(&trials[chosen]);
+        match distance(i, best) {
+            _ if same => Standing::Same,
+            z if z >= EXCLUDED => Standing::Excluded(distance(i, chosen).max(EXCLUDED)),
+            _ => Standing::Open,
+        }
     };
     Verdict { chosen, standings: (0..trials.len()).map(standing).collect() }
 }
@@ -219,7 +224,7 @@ mod tests {
         let unknown = Unknown::new(document, &Wishes::default()).unwrap();
         let values: Vec<f64> = unknown.parameters().iter().map(|p| p.start).collect();
         let covariance = Symmetric::diagonal(&vec![1e-6; values.len()]);
-        let losses = (0..64).map(|p| loss * (1.0 + (p as f64 * 2.4 + phase).sin())).collect();
+        let losses = (0..64).map(|p| loss * (1.0 + 0.5 * (p as f64 * 2.4 + phase).sin())).collect();
         Trial::new(&unknown, Recovery { values, own: covariance.clone(), covariance, chi2: 0.0, pixels: 64, losses })
     }
 

@@ -51,8 +51,9 @@ pub fn retyped(kind: &str, document: &Document, wishes: &Wishes) -> Result<(Docu
     let mut bounds = Vec::new();
     for wish in &wishes.bounds {
         let Some(name) = name(&wish.name)? else { continue };
-        // What the file does not say may start anywhere.
-        let start = wish.start.or_else(|| named(&name).is_none().then_some(0.5 * (wish.low + wish.high)));
+        // What the file says of another type is no more than a hint.
+        let hint = named(&name).map_or(0.5 * (wish.low + wish.high), |value| value.clamp(wish.low, wish.high));
+        let start = wish.start.or((from.name != to.name).then_some(hint));
         bounds.push(super::Bounds { name, start, ..wish.clone() });
     }
     let wishes = Wishes {
