@@ -15,6 +15,7 @@ use std::process::ExitCode;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
+pub mod auto;
 pub mod exec;
 pub mod film;
 pub mod photo;

@@ -10,6 +10,7 @@ mod look;
 pub mod model;
 mod rough;
 mod statistics;
+pub mod types;
 
 use crate::anneal::linear::Symmetric;
 use crate::error::{Error, Result};
@@ -47,6 +48,8 @@ pub struct Effort<'a> {
     pub until: Option<Instant>,
     /// The standard error that every value is to have, if not what the picture allows.
     pub tolerance: Option<f64>,
+    /// Only look at what can be seen at once: enough to compare types of material.
+    pub quick: bool,
     /// Who is told what each round found.
     pub told: &'a (dyn Fn(&Recovery) + Sync),
 }
@@ -69,9 +72,9 @@ pub struct Recovery {
 }
 
 impl Effort<'_> {
-    /// Whether the time is over.
+    /// Whether what was found has to do.
     fn late(&self) -> bool {
-        self.until.is_some_and(|until| Instant::now() >= until)
+        self.quick || self.until.is_some_and(|until| Instant::now() >= until)
     }
 
     /// The standard error that satisfies for a value.

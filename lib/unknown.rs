@@ -1,5 +1,9 @@
 //! The unknown: which numbers of which material a search may change, between which bounds, and the file with those numbers in place.
 
+mod types;
+
+pub use types::{TYPES, retyped};
+
 use crate::anneal::Parameter;
 use crate::error::{Error, Result};
 use crate::rad::{Class, Document, Number, Primitive};

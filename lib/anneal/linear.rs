@@ -57,7 +57,7 @@ impl Symmetric {
 
     /// The product with a vector.
     pub fn times(&self, x: &[f64]) -> Vec<f64> {
-        self.cells.chunks_exact(self.size).map(|row| row.iter().zip(x).map(|(a, b)| a * b).sum()).collect()
+        self.cells.chunks_exact(self.size.max(1)).map(|row| row.iter().zip(x).map(|(a, b)| a * b).sum()).collect()
     }
 
     /// xᵀ A x.

@@ -4,7 +4,8 @@ use super::rtrace::Light;
 use super::{Common, Scenes, ViewWords};
 use crate::anneal::Options;
 use crate::error::{Error, Result};
-use crate::unknown::{Bounds, Wishes, names};
+use crate::unknown::{Bounds, TYPES, Wishes, names};
+use clap::builder::PossibleValuesParser;
 use std::path::PathBuf;
 
 /// What material is it? Finds the numbers of a material with which a rendering comes nearest to a picture.
@@ -100,6 +101,11 @@ pub struct UnknownOptions {
     #[arg(long, value_name = "ID")]
     pub material: Option<String>,
 
+    /// Take the material for this type instead of the file's, or try all and keep the one that the picture supports best. What is said
+    /// of parameters that a type does not have is left out for it
+    #[arg(long = "type", value_name = "TYPE", value_parser = kinds())]
+    pub kind: Option<String>,
+
     /// Start and bounds of a parameter: red green blue spec rough urough vrough trans tspec ior hartmann, or a1 … for the real
     /// arguments in order. May be repeated; START may be left out
     #[arg(long, value_name = "NAME=START:LOW:HIGH")]
@@ -117,6 +123,14 @@ pub struct UnknownOptions {
     #[arg(long, value_name = "rgb/spec,rough")]
     pub groups: Option<String>,
 }
+
+/// What `--type` may be.
+fn kinds() -> PossibleValuesParser {
+    std::iter::once(AUTO).chain(TYPES.map(|(name, _)| name)).into()
+}
+
+/// The `--type` that tries all.
+pub const AUTO: &str = "auto";
 
 /// How long and how to search.
 #[derive(clap::Args, Clone, Debug)]

@@ -22,7 +22,7 @@ use std::sync::Arc;
 
 /// A photograph and all that is known of it.
 pub struct Photo<'a> {
-    unknown: &'a Unknown,
+    unknown: Unknown,
     flat: Flat,
     disk: Disk<'a>,
     /// The place of the unknown material in the description.
@@ -38,7 +38,7 @@ pub struct Photo<'a> {
 
 impl<'a> Photo<'a> {
     /// The photograph `target` of the scene that the arguments name, with the unknown in it.
-    pub fn new(unknown: &'a Unknown, target: &str, arguments: &Arguments, console: &'a Console) -> Outcome<Self> {
+    pub fn new(unknown: &Unknown, target: &str, arguments: &Arguments, console: &'a Console) -> Outcome<Self> {
         let photo = &arguments.photo;
         let input = Input::default();
         let read = |name: &str| -> Result<(String, Picture)> {
@@ -77,7 +77,19 @@ impl<'a> Photo<'a> {
         let material = material.ok_or_else(|| unknown.material().error("no surface of the scene is made of it"))?;
         let mut world = World::new(scene, &rules)?;
         world.unknown = Some(material);
-        Ok(Self { unknown, flat, disk, place, material, rules, world, film, target, mask: mask.transpose()?, seed: arguments.common.seed })
+        Ok(Self {
+            unknown: unknown.clone(),
+            flat,
+            disk,
+            place,
+            material,
+            rules,
+            world,
+            film,
+            target,
+            mask: mask.transpose()?,
+            seed: arguments.common.seed,
+        })
     }
 
     /// What there is to go by.
@@ -87,7 +99,7 @@ impl<'a> Photo<'a> {
 
     /// What is unknown in it.
     pub fn unknown(&self) -> &Unknown {
-        self.unknown
+        &self.unknown
     }
 
     /// The scene, for any numbers of the unknown.
@@ -98,7 +110,7 @@ impl<'a> Photo<'a> {
     /// What there is to see when the parameters have these values.
     pub fn views(&self, values: &[f64]) -> Result<Views> {
         let (setting, reals) = (self.setting(), self.unknown.reals(values));
-        let pixels = self.evidence().pixels(self.unknown, self.material)?;
+        let pixels = self.evidence().pixels(&self.unknown, self.material)?;
         let mut counts = vec![0.0; self.target.pixels.len()];
         pixels.iter().for_each(|&n| counts[n] = self.mask.as_ref().map_or(1.0, |mask| mask[n]));
         Ok(Views {
@@ -114,6 +126,15 @@ impl<'a> Photo<'a> {
     pub fn material(&self) -> MaterialId {
         self.material
     }
+
+    /// Puts another unknown into the place of its own.
+    pub fn take_for(&mut self, unknown: Unknown) -> Result<()> {
+        self.flat.primitives[self.place].clone_from(unknown.material());
+        self.unknown = unknown;
+        self.world = World::new(Scene::new(&self.flat, &self.disk, false)?, &self.rules)?;
+        self.world.unknown = Some(self.material);
+        Ok(())
+    }
 }
 
 /// Renders the pixels that count anew for every candidate.
@@ -128,7 +149,7 @@ const SAMPLES: u32 = 32;
 impl<'p, 'a> Direct<'p, 'a> {
     /// Over the pixels that show the unknown.
     pub fn new(photo: &'p Photo<'a>) -> Result<Self> {
-        Ok(Self { photo, pixels: photo.evidence().pixels(photo.unknown, photo.material)? })
+        Ok(Self { photo, pixels: photo.evidence().pixels(&photo.unknown, photo.material)? })
     }
 }
 

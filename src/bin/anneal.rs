@@ -2,15 +2,15 @@
 
 use inverad::anneal::Objective;
 use inverad::args::anneal::{Arguments, Job};
+use inverad::cli::auto::{Taken, opened, take};
 use inverad::cli::exec::{Exec, last_number};
 use inverad::cli::photo::{Direct, Photo};
 use inverad::cli::report::{self, Trail};
 use inverad::cli::search::{Search, Watch};
 use inverad::cli::{self, Answer, Console, Input, Outcome, Output};
 use inverad::error::Error;
-use inverad::rad::{Document, Number};
+use inverad::rad::Number;
 use inverad::recover::{Effort, recover};
-use inverad::unknown::Unknown;
 use std::path::Path;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
@@ -77,17 +77,18 @@ fn search(start: &str, arguments: &Arguments, console: &Console) -> Outcome<Answ
 /// Recovers the material from the picture by the basis of its transport.
 fn look(start: &str, target: &str, arguments: &Arguments, console: &Console) -> Outcome<Answer> {
     let options = arguments.options()?;
-    let (name, bytes) = Input::default().read(start)?;
-    let unknown = Unknown::new(Document::read(&name, bytes)?, &arguments.wishes())?;
-    let photo = Photo::new(&unknown, target, arguments, console)?;
     let until = arguments.search.time.map(|seconds| Instant::now() + Duration::from_secs_f64(seconds.min(1e9)));
-    let trail = Trail::new(&unknown);
-    let effort = Effort { seed: options.seed, until, tolerance: options.tolerance, told: &|found| trail.hear(found) };
-    let found = recover(&photo.evidence(), &unknown, photo.material(), effort, &|so_far| console.progress(|| so_far.into()))?;
+    let effort = Effort { seed: options.seed, until, tolerance: options.tolerance, quick: false, told: &|_| {} };
+    let Taken { photo, mut title, mut doubts } = take(start, target, effort, arguments, console)?;
+    let unknown = photo.unknown();
+    let trail = Trail::new(unknown);
+    let effort = Effort { told: &|found| trail.hear(found), ..effort };
+    let found = recover(&photo.evidence(), unknown, photo.material(), effort, &|so_far| console.progress(|| so_far.into()))?;
     let errors = found.errors();
-    let title = format!("chi2 {} over {} pixels", Number(found.chi2), found.pixels);
-    Output::whole(arguments.common.output.as_deref(), &unknown.recovered(&found.values, Some(&errors), &[title])?)?;
-    unknown.doubts(&found.values, Some(&errors)).iter().for_each(|doubt| console.warn(doubt));
+    title.push(format!("chi2 {} over {} pixels", Number(found.chi2), found.pixels));
+    Output::whole(arguments.common.output.as_deref(), &unknown.recovered(&found.values, Some(&errors), &title)?)?;
+    doubts.extend(unknown.doubts(&found.values, Some(&errors)));
+    doubts.iter().for_each(|doubt| console.warn(doubt));
     if let Some(path) = &arguments.search.report {
         report::of_recovery(path, &found, &photo, &trail, console)?;
     }
@@ -112,8 +113,8 @@ fn anneal(
 
 /// The search for the unknown of a file; where the state keeps it, as far as it got.
 fn begin(start: &str, arguments: &Arguments, state: Option<&Path>) -> Outcome<Search> {
-    let (name, bytes) = Input::default().read(start)?;
-    let search = Search::new(&name, bytes, arguments.wishes(), arguments.options()?)?;
+    let (document, wishes) = opened(start, arguments)?;
+    let search = Search::new(&document.source.name, document.bytes(), wishes, arguments.options()?)?;
     Ok(match state {
         Some(state) => search.taken_up(state, arguments.search.steps)?,
         None => search,

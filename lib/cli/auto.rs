@@ -1,0 +1,66 @@
+//! The unknown of a file as the type that `--type` says, or as the one that the picture supports best.
+
+use super::photo::Photo;
+use super::{Console, Input, Outcome};
+use crate::args::anneal::{AUTO, Arguments};
+use crate::error::Error;
+use crate::rad::Document;
+use crate::recover::types::{Sample, Trial, choose};
+use crate::recover::{Effort, Evidence, recover};
+use crate::unknown::{TYPES, Unknown, Wishes, retyped};
+
+/// A photograph whose unknown has been taken for a type.
+pub struct Taken<'a> {
+    /// The photograph.
+    pub photo: Photo<'a>,
+    /// What is to be said of the type, line by line.
+    pub title: Vec<String>,
+    /// What there is to doubt about it.
+    pub doubts: Vec<String>,
+}
+
+/// START.rad, its material taken for the type that was named, and what is wished of it.
+pub fn opened(start: &str, arguments: &Arguments) -> Outcome<(Document, Wishes)> {
+    let (name, bytes) = Input::default().read(start)?;
+    let (document, wishes) = (Document::read(&name, bytes)?, arguments.wishes());
+    match arguments.unknown.kind.as_deref() {
+        None => Ok((document, wishes)),
+        Some(AUTO) => Err(Error::new("--type auto compares pictures: it needs --scene and --target, without --exec or --direct").into()),
+        Some(kind) => Ok(retyped(kind, &document, &wishes)?),
+    }
+}
+
+/// The photograph `target`, its unknown taken for the type that was named, or with `--type auto` for the best.
+pub fn take<'a>(start: &str, target: &str, effort: Effort, arguments: &Arguments, console: &'a Console) -> Outcome<Taken<'a>> {
+    if arguments.unknown.kind.as_deref() != Some(AUTO) {
+        let (document, wishes) = opened(start, arguments)?;
+        let photo = Photo::new(&Unknown::new(document, &wishes)?, target, arguments, console)?;
+        return Ok(Taken { photo, title: vec![], doubts: vec![] });
+    }
+    let (name, bytes) = Input::default().read(start)?;
+    let (document, wishes) = (Document::read(&name, bytes)?, arguments.wishes());
+    // A type that what was wished leaves without anything unknown is left out.
+    let mut unknowns = Vec::new();
+    for (kind, _) in TYPES {
+        match Unknown::taken_for(kind, &document, &wishes) {
+            Ok(unknown) => unknowns.push(unknown),
+            Err(error) => console.note(&format!("{kind} is not tried: {}", error.message)),
+        }
+    }
+    let Some(first) = unknowns.first() else {
+        return Err(Error::new("--type auto: no type can be tried; give bounds with --param NAME=START:LOW:HIGH").into());
+    };
+    let mut photo = Photo::new(first, target, arguments, console)?;
+    let sample = Sample::of(&photo.evidence(), &photo.evidence().pixels(first, photo.material())?);
+    let effort = Effort { quick: true, ..effort };
+    let mut trials = Vec::new();
+    for unknown in &unknowns {
+        photo.take_for(unknown.clone())?;
+        let evidence = Evidence { mask: Some(&sample.mask), ..photo.evidence() };
+        let tell = |so_far: &str| console.progress(|| format!("{}: {so_far}", unknown.material().kind));
+        trials.push(Trial::new(unknown, recover(&evidence, unknown, photo.material(), effort, &tell)?));
+    }
+    let verdict = choose(&trials, &sample);
+    photo.take_for(unknowns.swap_remove(verdict.chosen))?;
+    Ok(Taken { photo, title: vec![verdict.title(&trials)], doubts: verdict.doubts(&trials) })
+}

@@ -1,0 +1,272 @@
+//! Which type of material it is: recoveries of one picture as several types, compared pixel by pixel.
+//!
+//! Vuong's test (1989, equation 3.1) for models that are not nested: the difference of their losses, pixel by pixel, is measured by its own
+//! scatter. Pixels go together with their neighbours, so they are summed by blocks first.
+
+use super::model::{Kind, parts};
+use super::{Evidence, Recovery};
+use crate::unknown::Unknown;
+use std::collections::BTreeMap;
+
+/// A loss as small as this is that of a perfect photograph: 1 % in each channel.
+const MISFIT: f64 = 3e-4;
+/// The side of a block, in pixels.
+const BLOCK: usize = 8;
+/// A type is excluded when another is better by so many standard errors.
+const EXCLUDED: f64 = 2.0;
+/// Coefficients are the same when they differ by less than so many standard errors, taken between two limits.
+const SAME: f64 = 3.0;
+const SAME_WITHIN: (f64, f64) = (0.003, 0.05);
+
+/// The picture recovered as one type.
+pub struct Trial {
+    /// The type.
+    pub kind: String,
+    /// How many parameters were free.
+    pub free: usize,
+    /// What was found.
+    pub recovery: Recovery,
+    /// What it reflects and transmits: coefficients with their variances; `None` for what does so by an index of refraction.
+    lobes: Option<Vec<(f64, f64)>>,
+}
+
+/// What another type than the chosen one is to be thought of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Standing {
+    /// It says the same in other numbers.
+    Same,
+    /// It says something else, and the picture does not tell which is right.
+    Open,
+    /// The picture excludes it, by so many standard errors.
+    Excluded(f64),
+}
+
+/// Which type it is, and what there is to think of the others.
+pub struct Verdict {
+    /// The place of the chosen type among the trials.
+    pub chosen: usize,
+    /// The standing of each trial; the chosen one is the same as itself.
+    pub standings: Vec<Standing>,
+}
+
+impl Trial {
+    /// What `unknown` was recovered as.
+    pub fn new(unknown: &Unknown, recovery: Recovery) -> Self {
+        let kind = unknown.material().kind.clone();
+        let lobes = Kind::named(&kind).map(|kind| {
+            let numbers = |values: &[f64]| lobes(kind, &unknown.reals(values));
+            let at = numbers(&recovery.values);
+            let bounds = unknown.parameters().iter().map(|p| p.high - p.low);
+            let slopes: Vec<Vec<f64>> = bounds
+                .enumerate()
+                .map(|(i, range)| {
+                    let moved = |by: f64| {
+                        let mut values = recovery.values.clone();
+                        values[i] += by * 1e-4 * range;
+                        numbers(&values)
+                    };
+                    moved(0.5).iter().zip(moved(-0.5)).map(|(a, b)| (a - b) / (1e-4 * range)).collect()
+                })
+                .collect();
+            let variance = |k: usize| recovery.covariance.form(&slopes.iter().map(|s| s[k]).collect::<Vec<_>>());
+            at.iter().enumerate().map(|(k, &value)| (value, variance(k))).collect()
+        });
+        Self { kind, free: unknown.parameters().len(), recovery, lobes }
+    }
+
+    /// Whether it can say all that another can, so that it cannot be excluded by it.
+    fn contains(&self, other: &Self) -> bool {
+        self.kind == "trans" && other.kind == "plastic"
+    }
+
+    /// Whether it reflects and transmits the same as another, as far as both are sure.
+    fn same(&self, other: &Self) -> bool {
+        let (Some(mine), Some(others)) = (&self.lobes, &other.lobes) else { return false };
+        let near = |(a, b): (&(f64, f64), &(f64, f64))| {
+            let error = SAME * (a.1 + b.1).max(0.0).sqrt();
+            (a.0 - b.0).abs() < error.clamp(SAME_WITHIN.0, SAME_WITHIN.1)
+        };
+        mine.iter().zip(others).all(near)
+    }
+}
+
+/// What a rough material does to light, in numbers that mean the same for each type: the coefficients of its parts, and the width of its
+/// lobe as far as it shows.
+fn lobes(kind: Kind, a: &[f64]) -> Vec<f64> {
+    let parts = parts(kind, a);
+    let shows: f64 = [parts[2], parts[3]].iter().flatten().sum::<f64>() / 6.0;
+    parts.into_iter().flatten().chain(std::iter::once(a[4].abs() * shows)).collect()
+}
+
+/// Pixels that suffice to tell types apart: whole blocks, evenly spread.
+const ENOUGH: usize = 2500;
+
+/// Which pixels are compared.
+pub struct Sample {
+    /// How much each pixel of the film counts: those that are not compared do not.
+    pub mask: Vec<f32>,
+    /// The block of each pixel that is, in order.
+    blocks: Vec<usize>,
+}
+
+impl Sample {
+    /// A sample of the pixels that show the unknown, as [`Evidence::pixels`] found them.
+    pub fn of(evidence: &Evidence, pixels: &[usize]) -> Self {
+        let width = evidence.film.width;
+        let pixels = kept(pixels, width);
+        let mut mask = vec![0.0; width * evidence.film.height];
+        pixels.iter().for_each(|&n| mask[n] = evidence.mask.map_or(1.0, |mask| mask[n]));
+        Self { mask, blocks: pixels.iter().map(|&n| block(n, width)).collect() }
+    }
+}
+
+/// The number of the block of a pixel, in a picture of that width.
+fn block(pixel: usize, width: usize) -> usize {
+    pixel / width / BLOCK * width.div_ceil(BLOCK) + pixel % width / BLOCK
+}
+
+/// The pixels of some blocks, all if they are few.
+fn kept(pixels: &[usize], width: usize) -> Vec<usize> {
+    let mut blocks: Vec<usize> = pixels.iter().map(|&n| block(n, width)).collect();
+    blocks.sort_unstable();
+    blocks.dedup();
+    // Multiples of the golden ratio leave no pattern that the picture could have too.
+    let share = ENOUGH as f64 / pixels.len() as f64;
+    let counts = |n: &usize| (blocks.binary_search(&block(*n, width)).unwrap_or(0) as f64 * 0.618_033_988_749_895).fract() < share;
+    pixels.iter().copied().filter(counts).collect()
+}
+
+/// Which of the trials of a sample the picture supports best: of those that none excludes, the simplest.
+///
+/// # Panics
+/// Without any trial.
+pub fn choose(trials: &[Trial], sample: &Sample) -> Verdict {
+    let loss = |t: &Trial| t.recovery.losses.iter().sum::<f64>();
+    let best = (0..trials.len()).min_by(|&a, &b| loss(&trials[a]).total_cmp(&loss(&trials[b]))).expect("there is a trial");
+    let distance = |i: usize, from: usize| if i == from { 0.0 } else { vuong(&trials[i], &trials[from], &sample.blocks) };
+    let open: Vec<usize> = (0..trials.len()).filter(|&i| distance(i, best) < EXCLUDED || trials[i].same(&trials[best])).collect();
+    // Of those that say the same the first counts; then the simplest; then the nearest.
+    let first = |i: usize| open.iter().copied().find(|&j| j == i || trials[j].same(&trials[i])).unwrap_or(i);
+    let chosen = open.iter().map(|&i| first(i)).min_by(|&a, &b| {
+        let nearer = loss(&trials[a]).total_cmp(&loss(&trials[b]));
+        trials[a].free.cmp(&trials[b].free).then(nearer)
+    });
+    let chosen = chosen.unwrap_or(best);
+    let standing = |i: usize| {
+        let same = i == chosen || trials[i].same(&trials[chosen]) || trials[i].contains(&trials[chosen]);
+        match distance(i, best) {
+            _ if same => Standing::Same,
+            z if z >= EXCLUDED => Standing::Excluded(distance(i, chosen).max(EXCLUDED)),
+            _ => Standing::Open,
+        }
+    };
+    Verdict { chosen, standings: (0..trials.len()).map(standing).collect() }
+}
+
+/// By how many standard errors `a` is worse than `b`: the logarithm of the ratio of their likelihoods, by its own standard error. The scatter of
+/// the misfits is what each finds it to be, block by block, or a few glints would decide.
+fn vuong(a: &Trial, b: &Trial, blocks: &[usize]) -> f64 {
+    let mut sums = BTreeMap::<usize, [f64; 3]>::new();
+    for ((a, b), block) in a.recovery.losses.iter().zip(&b.recovery.losses).zip(blocks) {
+        let sum = sums.entry(*block).or_default();
+        [*a, *b, 1.0].iter().zip(sum).for_each(|(term, sum)| *sum += term);
+    }
+    let scatter = |loss: f64, count: f64| (loss / count).max(0.0) + MISFIT;
+    let ratios: Vec<(f64, f64)> = sums.values().map(|&[a, b, n]| (n, (scatter(a, n) / scatter(b, n)).ln())).collect();
+    let mean = ratios.iter().map(|(n, r)| n * r).sum::<f64>() / blocks.len() as f64;
+    let error = ratios.iter().map(|(n, r)| (n * (r - mean)).powi(2)).sum::<f64>().sqrt();
+    mean * blocks.len() as f64 / error.max(f64::MIN_POSITIVE)
+}
+
+impl Verdict {
+    /// What is to be said of it, on a line: `type plastic (as good: metal, the same reflectance); glass excluded by 12 standard errors`.
+    pub fn title(&self, trials: &[Trial]) -> String {
+        let kinds = |standing: Standing, what: &str| -> Vec<String> {
+            let others = trials.iter().zip(&self.standings).enumerate().filter(|(i, (_, s))| *i != self.chosen && **s == standing);
+            others.map(|(_, (t, _))| format!("{}, {what}", t.kind)).collect()
+        };
+        let good = [kinds(Standing::Same, "the same reflectance"), kinds(Standing::Open, "another reflectance")].concat();
+        let mut text = format!("type {}", trials[self.chosen].kind);
+        if !good.is_empty() {
+            text += &format!(" (as good: {})", good.join("; "));
+        }
+        for (trial, standing) in trials.iter().zip(&self.standings) {
+            if let Standing::Excluded(z) = standing {
+                text += &format!("; {} excluded by {z:.0} standard errors", trial.kind);
+            }
+        }
+        text
+    }
+
+    /// What there is to doubt.
+    pub fn doubts(&self, trials: &[Trial]) -> Vec<String> {
+        let open: Vec<&str> =
+            trials.iter().zip(&self.standings).filter(|(_, s)| **s == Standing::Open).map(|(t, _)| t.kind.as_str()).collect();
+        if open.is_empty() {
+            return vec![];
+        }
+        let chosen = &trials[self.chosen].kind;
+        vec![format!("this picture does not tell {chosen} from {}: they fit as well, and {chosen} is the simplest", open.join(" and "))]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::anneal::linear::Symmetric;
+    use crate::error::Source;
+    use crate::rad::Document;
+    use crate::unknown::Wishes;
+
+    /// A recovery of 64 blocks of one pixel each, whose losses scatter about `loss`.
+    fn trial(material: &str, loss: f64, phase: f64) -> Trial {
+        let document = Document::parse(Source::new("m.rad", format!("void {material}"))).unwrap();
+        let unknown = Unknown::new(document, &Wishes::default()).unwrap();
+        let values: Vec<f64> = unknown.parameters().iter().map(|p| p.start).collect();
+        let covariance = Symmetric::diagonal(&vec![1e-6; values.len()]);
+        let losses = (0..64).map(|p| loss * (1.0 + 0.5 * (p as f64 * 2.4 + phase).sin())).collect();
+        Trial::new(&unknown, Recovery { values, own: covariance.clone(), covariance, chi2: 0.0, pixels: 64, losses })
+    }
+
+    fn verdict(trials: &[Trial]) -> (String, Vec<String>) {
+        let verdict = choose(trials, &Sample { mask: vec![], blocks: (0..64).collect() });
+        (verdict.title(trials), verdict.doubts(trials))
+    }
+
+    #[test]
+    fn types_that_say_the_same_are_one() {
+        // .9 · .6 = .6 · .9 diffuse, and a lobe of .1: a plastic. So are a grey metal, and a trans that lets nothing through.
+        let trials = [
+            trial("plastic m 0 0 5 .6 .6 .6 .1 .1", 0.010, 0.0),
+            trial("metal m 0 0 5 .64 .64 .64 .15625 .1", 0.0099, 1.0),
+            trial("trans m 0 0 7 .6 .6 .6 .1 .1 0 .5", 0.0101, 2.0),
+            trial("glass m 0 0 3 .9 .9 .9", 1.0, 3.0),
+        ];
+        let (title, doubts) = verdict(&trials);
+        let good = "type plastic (as good: metal, the same reflectance; trans, the same reflectance); glass excluded by ";
+        assert!(title.starts_with(good) && doubts.is_empty(), "{title} {doubts:?}");
+    }
+
+    #[test]
+    fn types_that_say_different_things_as_well_are_doubted() {
+        let plastic = || trial("plastic m 0 0 5 .6 .6 .6 .1 .1", 0.010, 0.0);
+        let (title, doubts) = verdict(&[plastic(), trial("metal m 0 0 5 .9 .5 .2 .8 .1", 0.0099, 1.0)]);
+        assert_eq!(title, "type metal (as good: plastic, another reflectance)");
+        assert!(doubts[0].contains("does not tell metal from plastic"));
+        let (title, doubts) = verdict(&[plastic(), trial("metal m 0 0 5 .9 .5 .2 .8 .1", 0.001, 1.0)]);
+        assert!(title.starts_with("type metal; plastic excluded by ") && doubts.is_empty(), "{title}");
+        // The fewest numbers suffice.
+        let (title, _) = verdict(&[plastic(), trial("glass m 0 0 3 .9 .9 .9", 0.0101, 1.0)]);
+        assert_eq!(title, "type glass (as good: plastic, another reflectance)");
+    }
+
+    #[test]
+    fn a_sample_is_whole_blocks_all_over() {
+        let pixels: Vec<usize> = (0..200 * 200).collect();
+        let block = |n: usize| (n % 200 / BLOCK, n / 200 / BLOCK);
+        let kept = kept(&pixels, 200);
+        assert!((kept.len() as f64 / ENOUGH as f64 - 1.0).abs() < 0.1, "{}", kept.len());
+        assert!((0..4).all(|q| kept.iter().any(|&n| (block(n).0 / 13, block(n).1 / 13) == (q % 2, q / 2))));
+        assert!(kept.iter().all(|&n| kept.contains(&(n - n % 200 % BLOCK))));
+    }
+}

@@ -1,0 +1,98 @@
+//! The same unknown taken for another type of material.
+
+use super::{COLORS, Unknown, Wishes};
+use crate::error::{Error, Result};
+use crate::rad::{Document, Type};
+
+/// The types that an unknown can be taken for, and what their parameters start with where the file does not say.
+pub const TYPES: [(&str, &[f64]); 5] = [
+    ("plastic", &[0.5, 0.5, 0.5, 0.1, 0.1]),
+    ("metal", &[0.5, 0.5, 0.5, 0.5, 0.1]),
+    ("trans", &[0.5, 0.5, 0.5, 0.1, 0.1, 0.5, 0.5]),
+    ("dielectric", &[0.5, 0.5, 0.5, 1.5, 0.0]),
+    ("glass", &[0.5, 0.5, 0.5]),
+];
+
+impl Unknown {
+    /// The unknown of a scene file, taken for `kind`, one of [`TYPES`]. What is wished of parameters that it does not have is left out.
+    pub fn taken_for(kind: &str, document: &Document, wishes: &Wishes) -> Result<Self> {
+        let (document, wishes) = retyped(kind, document, wishes)?;
+        Self::new(document, &wishes)
+    }
+}
+
+/// A scene file with its unknown taken for `kind`, one of [`TYPES`], and what is wished of it that it can have.
+///
+/// A parameter keeps its value by its name.
+pub fn retyped(kind: &str, document: &Document, wishes: &Wishes) -> Result<(Document, Wishes)> {
+    let material = super::choose(document, wishes.material.as_deref())?;
+    let known = TYPES.iter().find(|(name, _)| *name == kind).and_then(|(name, starts)| Some((Type::named(name)?, *starts)));
+    let (Some((to, starts)), Some(from)) = (known, material.type_of()) else {
+        let names = TYPES.map(|(name, _)| name).join(", ");
+        return Err(Error::new(format!("no unknown can be taken for {kind}; name one of {names}")));
+    };
+    let named = |name: &str| from.parameters.iter().position(|p| *p == name).and_then(|i| material.reals.get(i));
+    let mut reals: Vec<f64> = to.parameters.iter().zip(starts).map(|(name, start)| *named(name).unwrap_or(start)).collect();
+    if from.name == to.name {
+        reals.clone_from(&material.reals);
+    }
+    // Only the names of parameters mean the same in both.
+    let name = |word: &str| -> Result<Option<String>> {
+        let name = from.parameter(word).and_then(|i| from.parameters.get(i)).map_or(word, |name| *name);
+        let of = |t: &Type, most: usize| t.parameters.iter().take(most).any(|p| *p == name);
+        let somewhere = name == COLORS.0 || TYPES.iter().any(|(t, _)| Type::named(t).is_some_and(|t| of(t, usize::MAX)));
+        if !somewhere {
+            return Err(material.error(format!("no type of material that is tried has a parameter `{word}`")));
+        }
+        Ok((name == COLORS.0 || of(to, reals.len())).then(|| name.to_string()))
+    };
+    let names = |words: &[String]| words.iter().filter_map(|word| name(word).transpose()).collect::<Result<Vec<_>>>();
+    let lists = |lists: &[Vec<String>]| lists.iter().map(|list| names(list)).collect::<Result<Vec<_>>>();
+    let mut bounds = Vec::new();
+    for wish in &wishes.bounds {
+        let Some(name) = name(&wish.name)? else { continue };
+        // What the file says of another type is no more than a hint.
+        let hint = named(&name).map_or(0.5 * (wish.low + wish.high), |value| value.clamp(wish.low, wish.high));
+        let start = wish.start.or((from.name != to.name).then_some(hint));
+        bounds.push(super::Bounds { name, start, ..wish.clone() });
+    }
+    let wishes = Wishes {
+        material: Some(material.name.clone()),
+        bounds,
+        fixed: names(&wishes.fixed)?,
+        tied: lists(&wishes.tied)?,
+        groups: lists(&wishes.groups)?,
+    };
+    Ok((document.retyped(&material.name, kind, &reals)?, wishes))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::error::Source;
+
+    #[test]
+    fn parameters_keep_their_values_and_wishes_by_name() {
+        let document = Document::parse(Source::new("s.rad", "void dielectric m 0 0 5 .1 .2 .3 1.4 0\n")).unwrap();
+        let wishes = Wishes {
+            bounds: vec!["a4=:1.2:1.6".parse().unwrap(), "rough=.2:.1:.3".parse().unwrap()],
+            fixed: vec!["green".into(), "trans".into()],
+            tied: vec![vec!["spec".into(), "rough".into(), "ior".into()]],
+            ..Wishes::default()
+        };
+        let free = |kind: &str| {
+            let unknown = Unknown::taken_for(kind, &document, &wishes).unwrap();
+            unknown.parameters().iter().map(|p| (p.name.clone(), p.start, p.high)).collect::<Vec<_>>()
+        };
+        let [red, blue] = [("red".to_string(), 0.1, 1.0), ("blue".to_string(), 0.3, 1.0)];
+        assert_eq!(free("dielectric"), [red.clone(), blue.clone(), ("ior".into(), 1.4, 1.6)]);
+        assert_eq!(free("glass"), [red.clone(), blue.clone()]);
+        let tied = Wishes { tied: vec![], ..wishes.clone() };
+        let trans = Unknown::taken_for("trans", &document, &tied).unwrap();
+        let names: Vec<&str> = trans.parameters().iter().map(|p| p.name.as_str()).collect();
+        assert_eq!(names, ["red", "blue", "spec", "rough", "tspec"]);
+        assert_eq!(trans.reals(&[0.1, 0.3, 0.1, 0.2, 0.5]), [0.1, 0.2, 0.3, 0.1, 0.2, 0.5, 0.5]);
+        let wrong = Wishes { fixed: vec!["gloss".into()], ..Wishes::default() };
+        assert!(Unknown::taken_for("metal", &document, &wrong).unwrap_err().message.contains("no type of material that is tried"));
+    }
+}
