@@ -3,12 +3,15 @@
 //! Simulated annealing over the transport basis finds the valley, coarse first and fine last; least squares find its bottom; the residuals of
 //! the pixels tell how far it can be trusted (Sun and Wu 2002, section 5; the basis makes a χ² cost microseconds).
 
+pub mod answer;
 mod clear;
+pub mod doubts;
 pub mod fit;
 pub mod gram;
 mod look;
 pub mod model;
 mod rough;
+mod spread;
 mod statistics;
 pub mod types;
 
@@ -22,6 +25,7 @@ use crate::sampling::mix64;
 use crate::scene::MaterialId;
 use crate::unknown::Unknown;
 use crate::world::World;
+use doubts::Known;
 use rayon::prelude::*;
 use std::time::Instant;
 
@@ -63,6 +67,10 @@ pub struct Recovery {
     pub covariance: Symmetric,
     /// The part of it that the rendering makes.
     pub own: Symmetric,
+    /// What an error that the pixels have in common does to the values.
+    pub common: Symmetric,
+    /// How far other values lie from these, anywhere in the bounds, that make the same picture but for such an error.
+    pub spread: Symmetric,
     /// χ² of equation 11 over the pixels that count, without what the noise of the rendering adds to it.
     pub chi2: f64,
     /// How many pixels count.
@@ -135,6 +143,12 @@ impl Recovery {
     /// The standard error of each value.
     pub fn errors(&self) -> Vec<f64> {
         self.covariance.deviations()
+    }
+
+    /// What is known of the errors of the values.
+    pub fn known(&self) -> Known<'_> {
+        let all = Symmetric::of(self.values.len(), |i, j| self.covariance.at(i, j) + self.spread.at(i, j));
+        Known { covariance: all, common: Some(&self.common) }
     }
 }
 

@@ -15,6 +15,7 @@ use crate::metric::{Comparison, Named};
 use crate::picture::png::Tone;
 use crate::picture::{Header, Picture};
 use crate::rad::Number;
+use crate::recover::answer::six;
 use crate::recover::model::{Kind, parts};
 use chart::{Course, best, class, matrix, place};
 use text::{brief, data_uri, escape, fixed, rounded};
@@ -233,11 +234,8 @@ impl Report<'_> {
             }
             out += "</tr>\n";
         }
-        out += &format!(
-            "<tr><th>{CHI2}</th><td class=\"number\">{}</td>{}</tr>\n</tbody>\n</table>\n",
-            Number(self.chi2),
-            "<td></td>".repeat(5)
-        );
+        out +=
+            &format!("<tr><th>{CHI2}</th><td class=\"number\">{}</td>{}</tr>\n</tbody>\n</table>\n", six(self.chi2), "<td></td>".repeat(5));
         out += &format!(
             "<h2>The file</h2>\n<pre>{}</pre>\n<h2>The command</h2>\n<pre>{}</pre>\n</section>\n",
             escape(self.file),

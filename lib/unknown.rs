@@ -180,53 +180,6 @@ impl Unknown {
         }
         Ok(document)
     }
-
-    /// The file with these values, preceded by comment lines: the title's, then each parameter with its standard error and what there is to
-    /// doubt.
-    pub fn recovered(&self, values: &[f64], errors: Option<&[f64]>, title: &[String]) -> Result<Vec<u8>> {
-        let mut text: String = title.iter().map(|line| format!("# {line}\n")).collect();
-        for (i, (p, value)) in self.parameters.iter().zip(values).enumerate() {
-            text += &format!("# {} {}", p.name, Number(*value));
-            match errors.map(|errors| errors[i]) {
-                Some(error) if error.is_finite() => text += &format!(" ± {}\n", short(error)),
-                _ => text += "\n",
-            }
-        }
-        self.doubts(values, errors).iter().for_each(|doubt| text += &format!("# warning: {doubt}\n"));
-        let mut bytes = text.into_bytes();
-        bytes.extend(self.document(values)?.bytes());
-        Ok(bytes)
-    }
-
-    /// What there is to doubt in these values: parameters that nothing determines, or that stopped at a bound.
-    pub fn doubts(&self, values: &[f64], errors: Option<&[f64]>) -> Vec<String> {
-        let mut doubts = Vec::new();
-        for (i, (p, &value)) in self.parameters.iter().zip(values).enumerate() {
-            let range = p.high - p.low;
-            if errors.is_some_and(|errors| errors[i] > UNDETERMINED * range) {
-                doubts.push(format!("{} is not determined: this picture and this light say little of it", p.name));
-            }
-            let at = if value - p.low < AT_BOUND * range { Some("lower") } else { (p.high - value < AT_BOUND * range).then_some("upper") };
-            if let Some(side) = at {
-                doubts.push(format!(
-                    "{} is at its {side} bound {}; if it may lie beyond, give --param {0}=START:LOW:HIGH",
-                    p.name,
-                    Number(value)
-                ));
-            }
-        }
-        doubts
-    }
-}
-
-/// A standard error larger than this part of the range says that the parameter is not determined; nearer to a bound than this
-/// part is at it.
-const UNDETERMINED: f64 = 0.1;
-const AT_BOUND: f64 = 1e-5;
-
-/// Two digits.
-fn short(x: f64) -> Number {
-    Number(format!("{x:.1e}").parse().unwrap_or(x))
 }
 
 /// The material called `wanted`, or the only one there is.

@@ -14,4 +14,15 @@ impl Annealer {
     pub fn correlations(&self) -> Option<Symmetric> {
         Some(self.fit()?.hessian.inverse()?.correlations())
     }
+
+    /// The covariance of the errors, infinite where nothing determines a parameter; `None` before they are known.
+    pub fn covariance(&self) -> Option<Symmetric> {
+        let errors = self.standard_errors()?;
+        let correlations = self.correlations();
+        Some(Symmetric::of(errors.len(), |i, j| match &correlations {
+            _ if i == j => errors[i].powi(2),
+            Some(r) if errors[i].is_finite() && errors[j].is_finite() => r.at(i, j) * errors[i] * errors[j],
+            _ => 0.0,
+        }))
+    }
 }

@@ -6,6 +6,7 @@ use super::{Console, Outcome, Output};
 use crate::error::Error;
 use crate::rad::decode;
 use crate::recover::Recovery;
+use crate::recover::answer::Answer;
 use crate::report::{Moment, Report};
 use crate::unknown::Unknown;
 use std::path::Path;
@@ -32,15 +33,13 @@ impl Trail {
 }
 
 /// Writes the page of a recovery from a photograph.
-pub fn of_recovery(path: &Path, found: &Recovery, photo: &Photo, trail: &Trail, console: &Console) -> Outcome<()> {
+pub fn of_recovery(path: &Path, found: &Recovery, answer: &Answer, photo: &Photo, trail: &Trail, console: &Console) -> Outcome<()> {
     let told = Report {
-        errors: Some(found.errors()),
         own: Some(found.own.deviations()),
-        correlations: Some(found.covariance.correlations()),
         pixels: Some(found.pixels),
         trail: &trail.moments(),
         unit: "round",
-        ..empty(&found.values, found.chi2)
+        ..told(answer, found.chi2)
     };
     write(path, told, photo.unknown(), Some(photo), console)
 }
@@ -49,31 +48,26 @@ pub fn of_recovery(path: &Path, found: &Recovery, photo: &Photo, trail: &Trail, 
 pub fn of_search(path: &Path, search: &Search, photo: Option<&Photo>, console: &Console) -> Outcome<()> {
     let annealer = search.annealed();
     let Some(best) = annealer.best() else { return Err(Error::new("nothing was evaluated yet: there is nothing to report").into()) };
+    let answer = search.answer(&best.values);
     let past = annealer.past().map(|(values, chi2)| Moment { values: values.to_vec(), errors: None, chi2 });
-    let told = Report {
-        errors: annealer.standard_errors(),
-        correlations: annealer.correlations(),
-        trail: &past.collect::<Vec<_>>(),
-        unit: "evaluation",
-        ..empty(&best.values, best.chi2)
-    };
+    let told = Report { trail: &past.collect::<Vec<_>>(), unit: "evaluation", ..told(&answer, best.chi2) };
     write(path, told, search.unknown(), photo, console)
 }
 
-/// A report of values and their χ², and of nothing else yet.
-fn empty(values: &[f64], chi2: f64) -> Report<'_> {
+/// A report of an answer and its χ², and of nothing else yet.
+fn told<'a>(answer: &'a Answer, chi2: f64) -> Report<'a> {
     Report {
         name: "",
         kind: "",
         parameters: &[],
         reals: &[],
-        values,
-        errors: None,
+        values: answer.values(),
+        errors: answer.errors().map(<[f64]>::to_vec),
         own: None,
-        correlations: None,
+        correlations: answer.correlations().cloned(),
         chi2,
         pixels: None,
-        doubts: &[],
+        doubts: answer.doubts(),
         trail: &[],
         unit: "",
         views: None,
@@ -92,7 +86,6 @@ fn write(path: &Path, told: Report, unknown: &Unknown, photo: Option<&Photo>, co
         kind: &material.kind,
         parameters: unknown.parameters(),
         reals: &unknown.reals(told.values),
-        doubts: &unknown.doubts(told.values, told.errors.as_deref()),
         views: views.as_ref(),
         file: &decode(unknown.document(told.values)?.bytes()),
         command: console.trail(),

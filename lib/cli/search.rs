@@ -6,6 +6,8 @@ use super::{Console, Outcome};
 use crate::anneal::{Annealer, Best, End, Objective, Options};
 use crate::error::{Error, Result};
 use crate::rad::{Document, Number, decode};
+use crate::recover::answer::{Answer, six};
+use crate::recover::doubts::Known;
 use crate::unknown::{Unknown, Wishes};
 use serde::{Deserialize, Serialize};
 use std::fs::File;
@@ -126,10 +128,16 @@ impl Search {
         let Some(Best { values, chi2, .. }) = annealer.best() else {
             return Err(Error::new("nothing was evaluated yet: there is no best"));
         };
-        let errors = annealer.standard_errors();
-        let title = format!("chi2 {} after {} evaluations", Number(chi2), annealer.told());
-        let bytes = self.unknown.recovered(&values, errors.as_deref(), &[title])?;
-        Ok((bytes, self.unknown.doubts(&values, errors.as_deref())))
+        let title = format!("chi2 {} after {} evaluations", six(chi2), annealer.told());
+        let answer = self.answer(&values);
+        Ok((answer.file(&[title])?, answer.doubts().to_vec()))
+    }
+
+    /// What there is to say of some values.
+    pub fn answer(&self, values: &[f64]) -> Answer<'_> {
+        let covariance = self.kept.annealer.covariance();
+        let known = covariance.map(|covariance| Known { covariance, common: None });
+        Answer::new(&self.unknown, values, known.as_ref())
     }
 
     /// Searches to the end: of the search, of the time, or until the user interrupts. Says whether it got to the end that was wished for.

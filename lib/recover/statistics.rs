@@ -131,6 +131,8 @@ const TARGET_SAMPLES: (f64, f64) = (4.0, 1000.0);
 const OUTLIER: f64 = 4.0;
 /// How much further off it may be per unit of the rendering's variance in terms of the photograph's: what both halves missed is no outlier.
 const OWN: f64 = 5.0;
+/// The part of its value by which a picture may be off in many pixels at once: by its light, its shape, the formula of a lobe.
+pub const COMMON: f64 = 0.02;
 /// And the relative misfit of a perfect photograph.
 const MISFIT: f64 = 0.01;
 
@@ -256,6 +258,31 @@ impl<'a> Scores<'a> {
             }
         }
         (all, own)
+    }
+
+    /// What an error of the picture that is as large a part of each value as [`COMMON`] does to the values, where its signs do most harm:
+    /// its size on the diagonal, and beside it how what it does to two values goes together.
+    ///
+    /// Standard errors take the errors of pixels for independent, so that thousands of pixels can tell a value by changes of a thousandth.
+    /// Those of a shape, of a measured light, of the formula of a lobe are not, and no number of pixels averages them out.
+    pub fn common(&self) -> Symmetric {
+        let n = self.derivatives.len();
+        let Some(inverse) = &self.inverse else { return Symmetric::diagonal(&vec![f64::INFINITY; n]) };
+        let d = &self.derivatives;
+        let (mut squares, mut sizes) = (Symmetric::diagonal(&vec![0.0; n]), vec![0.0; n]);
+        for p in 0..self.weights.len() {
+            for c in 0..3 {
+                let error = COMMON * 0.5 * (self.halves[0][p][c] + self.halves[1][p][c]).abs() * self.weights[p][c] as f64;
+                let instrument: Vec<f64> = (0..n).map(|j| self.trust[j][p] * 0.5 * (d[j][0][p][c] + d[j][1][p][c]) * error).collect();
+                let moved: Vec<f64> = inverse.iter().map(|row| row.iter().zip(&instrument).map(|(a, i)| a * i).sum()).collect();
+                for i in 0..n {
+                    sizes[i] += moved[i].abs();
+                    (0..=i).for_each(|j| squares.set(i, j, squares.at(i, j) + moved[i] * moved[j]));
+                }
+            }
+        }
+        let correlations = squares.correlations();
+        Symmetric::of(n, |i, j| if i == j { sizes[i].powi(2) } else { sizes[i] * sizes[j] * correlations.at(i, j) })
     }
 }
 

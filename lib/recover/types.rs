@@ -225,7 +225,10 @@ mod tests {
         let values: Vec<f64> = unknown.parameters().iter().map(|p| p.start).collect();
         let covariance = Symmetric::diagonal(&vec![1e-6; values.len()]);
         let losses = (0..64).map(|p| loss * (1.0 + 0.5 * (p as f64 * 2.4 + phase).sin())).collect();
-        Trial::new(&unknown, Recovery { values, own: covariance.clone(), covariance, chi2: 0.0, pixels: 64, losses })
+        Trial::new(
+            &unknown,
+            Recovery { values, own: covariance.clone(), common: covariance.clone(), spread: covariance.clone(), covariance, chi2: 0.0, pixels: 64, losses },
+        )
     }
 
     fn verdict(trials: &[Trial]) -> (String, Vec<String>) {

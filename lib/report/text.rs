@@ -2,6 +2,7 @@
 
 use crate::error::Result;
 use crate::picture::png::write;
+use crate::recover::doubts::decimals;
 
 /// Text as HTML shows it, in an element or a quoted attribute. Characters that no page may hold are shown as replaced.
 pub fn escape(text: &str) -> String {
@@ -50,7 +51,7 @@ pub fn brief(x: f64) -> String {
 pub fn rounded(value: f64, error: Option<f64>) -> (String, Option<String>) {
     match error {
         Some(error) if error > 0.0 && error.is_finite() => {
-            let decimals = (1 - error.log10().floor() as i32).clamp(0, 9) as usize;
+            let decimals = decimals(error);
             (fixed(value, decimals), Some(fixed(error, decimals)))
         }
         Some(0.0) => (fixed(value, 4), Some("0".into())),

@@ -9,8 +9,7 @@ use inverad::cli::report::{self, Trail};
 use inverad::cli::search::{Search, Watch};
 use inverad::cli::{self, Answer, Console, Input, Outcome, Output};
 use inverad::error::Error;
-use inverad::rad::Number;
-use inverad::recover::{Effort, recover};
+use inverad::recover::{Effort, answer, recover};
 use std::path::Path;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
@@ -84,15 +83,15 @@ fn look(start: &str, target: &str, arguments: &Arguments, console: &Console) -> 
     let trail = Trail::new(unknown);
     let effort = Effort { told: &|found| trail.hear(found), ..effort };
     let found = recover(&photo.evidence(), unknown, photo.material(), effort, &|so_far| console.progress(|| so_far.into()))?;
-    let errors = found.errors();
-    title.push(format!("chi2 {} over {} pixels", Number(found.chi2), found.pixels));
-    Output::whole(arguments.common.output.as_deref(), &unknown.recovered(&found.values, Some(&errors), &title)?)?;
-    doubts.extend(unknown.doubts(&found.values, Some(&errors)));
+    let answer = answer::Answer::new(unknown, &found.values, Some(&found.known()));
+    title.push(format!("chi2 {} over {} pixels", answer::six(found.chi2), found.pixels));
+    Output::whole(arguments.common.output.as_deref(), &answer.file(&title)?)?;
+    doubts.extend_from_slice(answer.doubts());
     doubts.iter().for_each(|doubt| console.warn(doubt));
     if let Some(path) = &arguments.search.report {
-        report::of_recovery(path, &found, &photo, &trail, console)?;
+        report::of_recovery(path, &found, &answer, &photo, &trail, console)?;
     }
-    Ok(if options.tolerance.is_none_or(|t| errors.iter().all(|e| *e <= t)) { Answer::Yes } else { Answer::No })
+    Ok(if options.tolerance.is_none_or(|t| found.errors().iter().all(|e| *e <= t)) { Answer::Yes } else { Answer::No })
 }
 
 /// Searches for the unknown with someone who judges each candidate.

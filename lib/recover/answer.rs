@@ -1,0 +1,108 @@
+//! The answer: the file with the values that were found, after what is to be said of them.
+
+use super::doubts::{Judgement, Known, Standing, decimals, digits, judge};
+use crate::anneal::linear::Symmetric;
+use crate::error::Result;
+use crate::rad::Number;
+use crate::unknown::Unknown;
+
+/// Values of an unknown, and what there is to say of them.
+pub struct Answer<'a> {
+    unknown: &'a Unknown,
+    values: Vec<f64>,
+    judgement: Option<Judgement>,
+    doubts: Vec<String>,
+}
+
+/// Correlations from this on are told.
+const TOLD: f64 = 0.5;
+/// A value nearer to a bound than this part of the range is at it.
+const AT_BOUND: f64 = 1e-5;
+/// Digits that a file keeps of a value beyond those that its error leaves it: nothing is lost by rounding.
+const KEPT: usize = 2;
+
+impl<'a> Answer<'a> {
+    /// What there is to say of some values, by what is known of their errors, if anything is.
+    pub fn new(unknown: &'a Unknown, values: &[f64], known: Option<&Known>) -> Self {
+        let judgement = known.map(|known| judge(unknown, values, known));
+        let mut doubts = judgement.as_ref().map_or_else(Vec::new, |j| j.doubts.clone());
+        let mut rounded = values.to_vec();
+        for (i, (p, value)) in unknown.parameters().iter().zip(&mut rounded).enumerate() {
+            let range = p.high - p.low;
+            let at =
+                if *value - p.low < AT_BOUND * range { Some("lower") } else { (p.high - *value < AT_BOUND * range).then_some("upper") };
+            if let Some(side) = at {
+                let bound = Number(*value);
+                doubts.push(format!("{} is at its {side} bound {bound}; if it may lie beyond, give --param {0}=START:LOW:HIGH", p.name));
+            } else if let Some(judgement) = judgement.as_ref().filter(|j| j.errors[i] > 0.0) {
+                *value = format!("{value:.0$}", decimals(judgement.errors[i]) + KEPT).parse().unwrap_or(*value);
+            }
+        }
+        Self { unknown, values: rounded, judgement, doubts }
+    }
+
+    /// The values, without the digits that mean nothing.
+    pub fn values(&self) -> &[f64] {
+        &self.values
+    }
+
+    /// Their standard errors, if they are known.
+    pub fn errors(&self) -> Option<&[f64]> {
+        self.judgement.as_ref().map(|j| &j.errors[..])
+    }
+
+    /// The correlation of each pair of errors, if they are known.
+    pub fn correlations(&self) -> Option<&Symmetric> {
+        self.judgement.as_ref().map(|j| &j.correlations)
+    }
+
+    /// What there is to doubt.
+    pub fn doubts(&self) -> &[String] {
+        &self.doubts
+    }
+
+    /// What is to be said, line by line: each value with its standard error, the pairs whose errors go together, what there is to doubt.
+    pub fn lines(&self) -> Vec<String> {
+        let parameters = self.unknown.parameters();
+        let mut lines = Vec::new();
+        for (i, (p, &value)) in parameters.iter().zip(&self.values).enumerate() {
+            lines.push(match &self.judgement {
+                Some(j) if j.errors[i].is_finite() => {
+                    let (value, error) = digits(value, j.errors[i]);
+                    let standing = match j.standings[i] {
+                        Standing::Determined => "",
+                        Standing::Together => ": not determined by itself",
+                        Standing::Open => ": not determined",
+                    };
+                    format!("{} {value} ± {error}{standing}", p.name)
+                }
+                _ => format!("{} {}", p.name, Number(value)),
+            });
+        }
+        if let Some(j) = &self.judgement {
+            let pairs = (0..parameters.len()).flat_map(|i| (0..i).map(move |k| (k, i)));
+            let mut pairs: Vec<(f64, usize, usize)> = pairs.map(|(a, b)| (j.correlations.at(a, b), a, b)).collect();
+            pairs.retain(|(r, ..)| r.abs() >= TOLD);
+            pairs.sort_by(|x, y| y.0.abs().total_cmp(&x.0.abs()));
+            let told = pairs.iter().map(|(r, a, b)| format!("{} {} {r:.2}", parameters[*a].name, parameters[*b].name));
+            if !pairs.is_empty() {
+                lines.push(format!("correlations: {}", told.collect::<Vec<_>>().join(", ")));
+            }
+        }
+        lines.extend(self.doubts.iter().map(|doubt| format!("warning: {doubt}")));
+        lines
+    }
+
+    /// The file with these values, preceded by comment lines: the title's, then its own.
+    pub fn file(&self, title: &[String]) -> Result<Vec<u8>> {
+        let lines = self.lines();
+        let mut bytes = title.iter().chain(&lines).map(|line| format!("# {line}\n")).collect::<String>().into_bytes();
+        bytes.extend(self.unknown.document(&self.values)?.bytes());
+        Ok(bytes)
+    }
+}
+
+/// A number with six digits: all that mean anything in a χ².
+pub fn six(x: f64) -> Number {
+    Number(format!("{x:.5e}").parse().unwrap_or(x))
+}

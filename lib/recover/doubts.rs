@@ -1,0 +1,211 @@
+//! What a picture leaves open: which parameters, and which combinations of them, it does not determine, and what would.
+//!
+//! A parameter is measured by what its bounds alone would say of it: a value anywhere between them has the standard deviation range/√12. A
+//! picture that does not make it much less does not determine it. Nor does one that would, if its errors were independent from pixel to
+//! pixel, but not with a small error that many pixels have in common.
+
+use super::statistics::COMMON;
+use crate::anneal::Parameter;
+use crate::anneal::linear::Symmetric;
+use crate::unknown::Unknown;
+
+/// What is known of the errors of some values.
+pub struct Known<'a> {
+    /// Their covariance.
+    pub covariance: Symmetric,
+    /// What an error that the pixels have in common does to them, if pixels were looked at.
+    pub common: Option<&'a Symmetric>,
+}
+
+/// What there is to think of some values.
+pub struct Judgement {
+    /// The standard error of each; of what is not determined, with the errors that pixels have in common.
+    pub errors: Vec<f64>,
+    /// The correlation of those errors.
+    pub correlations: Symmetric,
+    /// How far the picture determines each.
+    pub standings: Vec<Standing>,
+    /// What is not determined, why, and what would help: a sentence each.
+    pub doubts: Vec<String>,
+}
+
+/// How far a picture determines a parameter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Standing {
+    /// It does.
+    Determined,
+    /// It does together with others.
+    Together,
+    /// It does not.
+    Open,
+}
+
+/// What is not determined has a standard error of at least this part of the one that bounds alone would give it.
+const UNDETERMINED: f64 = 0.25;
+/// Values that are known only together are correlated at least so much.
+const TOGETHER: f64 = 0.7;
+/// Beyond this part of what bounds alone would say, they alone say it.
+const ANYWHERE: f64 = 0.9;
+
+/// What there is to think of the values of an unknown, by what is known of their errors.
+pub fn judge(unknown: &Unknown, values: &[f64], known: &Known) -> Judgement {
+    let parameters = unknown.parameters();
+    let n = parameters.len();
+    // What bounds alone would say is 1.
+    let units: Vec<f64> = parameters.iter().map(|p| (p.high - p.low) / 12f64.sqrt()).collect();
+    let seen = &known.covariance;
+    let unseen = |i: usize| !seen.at(i, i).is_finite();
+    let scaled = |m: &Symmetric, i: usize, j: usize| {
+        let one = f64::from(i == j);
+        if unseen(i) || unseen(j) { one } else { Some(m.at(i, j) / (units[i] * units[j])).filter(|x| x.is_finite()).unwrap_or(one) }
+    };
+    let whole = Symmetric::of(n, |i, j| scaled(seen, i, j) + known.common.map_or(0.0, |common| scaled(common, i, j)));
+    let whole = whole.with_eigenvalues(|v| v.clamp(1e-18, 1.0));
+    let inverse = whole.with_eigenvalues(|v| 1.0 / v);
+    let correlations = whole.correlations();
+    let open = |i: usize| whole.at(i, i).sqrt() >= UNDETERMINED;
+    // What would be known if all others were.
+    let alone = |i: usize| inverse.at(i, i).sqrt().recip() >= UNDETERMINED;
+    let mut standings = vec![Standing::Determined; n];
+    let mut doubts = Vec::new();
+    let mut left: Vec<usize> = (0..n).filter(|&i| open(i)).collect();
+    left.sort_by(|&a, &b| whole.at(b, b).total_cmp(&whole.at(a, a)));
+    for pivot in left {
+        if standings[pivot] != Standing::Determined {
+            continue;
+        }
+        let goes =
+            |i: &usize| *i != pivot && standings[*i] == Standing::Determined && !alone(*i) && correlations.at(*i, pivot).abs() >= TOGETHER;
+        let partners: Vec<usize> = if alone(pivot) { vec![] } else { (0..n).filter(goes).collect() };
+        let help = remedy(unknown, values, pivot);
+        if partners.is_empty() {
+            standings[pivot] = Standing::Open;
+            let part = whole.at(pivot, pivot).sqrt();
+            let far = match part * units[pivot] {
+                _ if part > ANYWHERE => "anywhere between its bounds".to_string(),
+                far => format!("by {far:.0$}", decimals(far) - 1),
+            };
+            let why = match scaled(seen, pivot, pivot).sqrt() >= UNDETERMINED {
+                true => "this picture and this light say next to nothing of it".to_string(),
+                false => format!("an error of {} % in the light, the shape or the picture could move it {far}", 100.0 * COMMON),
+            };
+            doubts.push(format!("{} is not determined: {why}; {help}", parameters[pivot].name));
+        } else {
+            partners.iter().chain([&pivot]).for_each(|&i| standings[i] = Standing::Together);
+            let covariance = Symmetric::of(n, |i, j| whole.at(i, j) * units[i] * units[j]);
+            doubts.push(format!("{}; {help}", together(parameters, values, &covariance, pivot, &partners)));
+        }
+    }
+    let plain = |i: usize| standings[i] == Standing::Determined;
+    let errors = (0..n).map(|i| if plain(i) { seen.at(i, i).max(0.0).sqrt() } else { whole.at(i, i).sqrt() * units[i] }).collect();
+    let alike = seen.correlations();
+    let correlations = Symmetric::of(n, |i, j| if plain(i) && plain(j) { alike.at(i, j) } else { correlations.at(i, j) });
+    Judgement { errors, correlations, standings, doubts }
+}
+
+/// `red, green and spec are not determined by themselves, only together: red + 0.41 spec = 0.641 ± 0.012, green + …`.
+fn together(parameters: &[Parameter], values: &[f64], covariance: &Symmetric, pivot: usize, partners: &[usize]) -> String {
+    let name = |i: usize| parameters[i].name.as_str();
+    let mut names: Vec<usize> = partners.iter().copied().chain([pivot]).collect();
+    names.sort_unstable();
+    let combination = |&i: &usize| {
+        let slope = covariance.at(i, pivot) / covariance.at(pivot, pivot);
+        let error = (covariance.at(i, i) - slope * covariance.at(i, pivot)).max(0.0).sqrt();
+        let sum = values[i] - slope * values[pivot];
+        let sign = if slope < 0.0 { '+' } else { '-' };
+        let (sum, error) = digits(sum, error);
+        format!("{} {sign} {:.2} {} = {sum} ± {error}", name(i), slope.abs(), name(pivot))
+    };
+    let known: Vec<String> = partners.iter().map(combination).collect();
+    format!(
+        "{} are not determined by themselves, only together: {}",
+        list(&names.into_iter().map(name).collect::<Vec<_>>()),
+        known.join(", ")
+    )
+}
+
+/// What would tell a parameter.
+fn remedy(unknown: &Unknown, values: &[f64], i: usize) -> &'static str {
+    let parameters = unknown.parameters();
+    let spec = unknown.material().type_of().and_then(|t| t.parameter("spec")).map(|at| unknown.reals(values)[at]);
+    match parameters[i].name.as_str() {
+        "rough" | "urough" | "vrough" if spec.is_some_and(|spec| spec < 0.003) => "there is hardly any specular reflection to tell it by",
+        "spec" | "rough" | "urough" | "vrough" => {
+            "a small lamp whose highlight the camera sees, or other light with sharp edges, would tell"
+        }
+        "trans" | "tspec" => "a small lamp or something with sharp edges seen through it would tell",
+        "ior" => "something with sharp edges seen through it, or a small lamp, would tell",
+        "red" | "green" | "blue" => "light of that colour where the camera sees the object, or through it, would tell",
+        _ => "another light or another view may tell",
+    }
+}
+
+/// Words as a list: `a, b and c`.
+fn list(words: &[&str]) -> String {
+    match words {
+        [first @ .., last] if !first.is_empty() => format!("{} and {last}", first.join(", ")),
+        _ => words.concat(),
+    }
+}
+
+/// How many decimals show two digits of an error.
+pub fn decimals(error: f64) -> usize {
+    if error > 0.0 { (1 - error.log10().floor() as i32).clamp(1, 12) as usize } else { 6 }
+}
+
+/// A value with the digits that its error leaves it, and the error with two.
+pub fn digits(value: f64, error: f64) -> (String, String) {
+    let decimals = decimals(error);
+    (format!("{value:.decimals$}"), format!("{error:.decimals$}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::error::Source;
+    use crate::rad::Document;
+    use crate::unknown::Wishes;
+
+    /// What there is to think of a plastic, by the part of its parameters' ranges that the errors are, and a correlation of two of them.
+    fn plastic(seen: [f64; 5], common: [f64; 5], (i, j, r): (usize, usize, f64)) -> Judgement {
+        let document = Document::parse(Source::new("m.rad", "void plastic m 0 0 5 .6 .4 .2 .1 .1")).unwrap();
+        let unknown = Unknown::new(document, &Wishes::default()).unwrap();
+        let ranges: Vec<f64> = unknown.parameters().iter().map(|p| p.high - p.low).collect();
+        let matrix = |e: [f64; 5]| {
+            let r = |a, b| if a == b { 1.0 } else { r * f64::from((a, b) == (j.max(i), i.min(j))) };
+            Symmetric::of(5, |a, b| r(a, b) * e[a] * ranges[a] * e[b] * ranges[b])
+        };
+        judge(&unknown, &[0.6, 0.4, 0.2, 0.1, 0.1], &Known { covariance: matrix(seen), common: Some(&matrix(common)) })
+    }
+
+    #[test]
+    fn what_the_picture_determines_is_not_doubted() {
+        let found = plastic([0.001; 5], [0.02; 5], (0, 3, -0.9));
+        assert!(found.doubts.is_empty() && found.standings == [Standing::Determined; 5]);
+        assert!((found.errors[4] - 0.0004).abs() < 1e-12 && (found.correlations.at(0, 3) + 0.9).abs() < 1e-9);
+    }
+
+    #[test]
+    fn what_it_does_not_is_named_with_what_would() {
+        // Of the third nothing is seen, the fifth stands and falls with a small error that the pixels have in common.
+        let found = plastic([0.001, 0.001, f64::INFINITY, 0.001, 0.01], [0.01, 0.01, 0.01, 0.01, 0.1], (0, 1, 0.0));
+        assert_eq!(found.doubts.len(), 2, "{:?}", found.doubts);
+        assert!(found.doubts[0].starts_with("blue is not determined: this picture and this light say next to nothing of it; "));
+        assert!(found.doubts[1].starts_with(
+            "rough is not determined: an error of 2 % in the light, the shape or the picture could move it by 0.04; a small lamp"
+        ));
+        assert!((found.errors[2] - 12f64.sqrt().recip()).abs() < 1e-9 && (found.errors[4] - 0.4 * 0.01f64.hypot(0.1)).abs() < 1e-9);
+        assert_eq!((found.errors[0], found.standings[4]), (0.001, Standing::Open));
+    }
+
+    #[test]
+    fn what_is_known_only_together_is_named_with_what_is_known() {
+        let found = plastic([0.2, 0.001, 0.001, 0.25, 0.001], [0.0; 5], (0, 3, -0.999));
+        let [doubt] = &found.doubts[..] else { panic!("{:?}", found.doubts) };
+        assert!(
+            doubt.starts_with("red and spec are not determined by themselves, only together: red + 0.80 spec = 0.6799 ± 0.0089; "),
+            "{doubt}"
+        );
+        assert_eq!((found.standings[0], found.standings[1]), (Standing::Together, Standing::Determined));
+    }
+}

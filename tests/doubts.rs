@@ -1,0 +1,90 @@
+//! anneal says what a picture cannot tell: values with the digits that they deserve, and a warning for what is not determined.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+/// A ball alone, and one that a box and a cone shade and are mirrored in.
+const BALL: &str = "it sphere s 0 0 4 0 0 0 1\n";
+const STILL: &str = "it sphere s 0 0 4 0 0 0 .6\n!genbox it b 1 1 .5 | xform -t .5 -.6 -.5\nit cone c 0 0 8 -.8 0 -.5 -.8 0 .7 .4 .1\n";
+
+/// Light that is the same from everywhere, and a lamp.
+const UNIFORM: &str = "void glow even 0 0 4 1 1 1 0\neven source sky 0 0 4 0 0 1 360\n";
+const LAMP: &str = "void light bulb 0 0 3 60 60 60\nbulb sphere lamp 0 0 4 -3 -4 4 .3\n";
+
+fn run(program: &str, directory: &Path, arguments: &str) -> Output {
+    Command::new(program).current_dir(directory).args(arguments.split_whitespace()).output().unwrap()
+}
+
+/// What is said of a picture of `scene` made of `material`: the comment lines, and the warnings on standard error.
+fn told(material: &str, scene: &str) -> (Vec<String>, Vec<String>) {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path();
+    let kind = material.split(' ').next().unwrap();
+    fs::write(path.join("start.rad"), format!("void {kind} it 0 0 5 .5 .5 .5 .1 .1\n")).unwrap();
+    fs::write(path.join("true.rad"), format!("void {material}\n")).unwrap();
+    fs::write(path.join("scene.rad"), scene).unwrap();
+    let view = "-vp 0 -5 1 -vd 0 1 -.2 -vh 26 -vv 26 -x 48 -y 48 --spp 128 --seed 5 -ab 2 -o target.hdr true.rad scene.rad";
+    assert!(run(env!("CARGO_BIN_EXE_rtrace-rs"), path, view).status.success());
+    let done = run(env!("CARGO_BIN_EXE_anneal"), path, "-ab 2 --scene scene.rad --target target.hdr start.rad");
+    assert_eq!(done.status.code(), Some(0));
+    let lines = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap().lines().map(String::from).collect::<Vec<_>>();
+    let (out, said) = (lines(done.stdout), lines(done.stderr));
+    println!("{}", out.join("\n"));
+    (out.into_iter().filter_map(|line| line.strip_prefix("# ").map(String::from)).collect(), said)
+}
+
+/// The value and the standard error on the line of a parameter, and what is said of it.
+fn line(lines: &[String], name: &str) -> (f64, f64, String) {
+    let line = lines.iter().find(|line| line.starts_with(&format!("{name} "))).unwrap();
+    let (numbers, standing) = line.split_once(':').unwrap_or((line, ""));
+    let words: Vec<&str> = numbers.split(' ').collect();
+    assert_eq!((words.len(), words[2]), (4, "±"), "{line}");
+    // Two digits of the error, and as many decimals of the value.
+    let digits = words[3].trim_start_matches(['0', '.']);
+    let decimals = |word: &str| word.split_once('.').unwrap().1.len();
+    assert!(digits.replace('.', "").len() == 2 && decimals(words[1]) == decimals(words[3]), "{line}");
+    (words[1].parse().unwrap(), words[3].parse().unwrap(), standing.trim().into())
+}
+
+#[test]
+fn even_light_does_not_tell_how_rough_and_how_specular() {
+    for (material, truth) in
+        [("plastic it 0 0 5 .6 .4 .2 .1 .2", [0.6, 0.4, 0.2, 0.1, 0.2]), ("metal it 0 0 5 .8 .6 .3 .7 .2", [0.8, 0.6, 0.3, 0.7, 0.2])]
+    {
+        let (lines, said) = told(material, &format!("{UNIFORM}{BALL}"));
+        for (name, truth) in ["red", "green", "blue", "spec", "rough"].iter().zip(truth) {
+            let (value, error, standing) = line(&lines, name);
+            assert!((value - truth).abs() < 3.0 * error + 0.002, "{name}: {value} ± {error}, not {truth}");
+            let doubted = ["spec", "rough"].contains(name);
+            if doubted || material.starts_with("metal") {
+                assert_eq!(standing.starts_with("not determined"), doubted, "{name}");
+            }
+            assert!(
+                !doubted || said.iter().any(|line| line.contains(name) && line.contains("not determined") && line.contains("a small lamp"))
+            );
+        }
+        // What is said on standard error stands in the file too.
+        assert_eq!(lines.iter().filter(|line| line.starts_with("warning: ")).count(), said.len());
+    }
+}
+
+#[test]
+fn of_a_plastic_it_tells_what_colour_and_specularity_make_together() {
+    let (lines, _) = told("plastic it 0 0 5 .6 .4 .2 .1 .2", &format!("{UNIFORM}{BALL}"));
+    let together = lines.iter().find(|line| line.contains("blue and spec are not determined by themselves, only together: ")).unwrap();
+    // Seen from the front everything is reflected: .2 · .9 + .1 = .28.
+    let sum: f64 = together.split("blue + ").nth(1).unwrap().split(" = ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
+    assert!((sum - 0.28).abs() < 0.015, "{together}");
+}
+
+#[test]
+fn a_lamp_tells() {
+    let (lines, said) = told("plastic it 0 0 5 .6 .4 .2 .1 .2", &format!("{UNIFORM}{LAMP}{STILL}"));
+    assert!(said.is_empty() && lines.iter().all(|line| !line.contains("not determined")), "{said:?}");
+    assert!(lines.iter().any(|line| line.starts_with("correlations: ")), "{lines:?}");
+    for (name, truth) in ["red", "green", "blue", "spec", "rough"].iter().zip([0.6, 0.4, 0.2, 0.1, 0.2]) {
+        let (value, error, _) = line(&lines, name);
+        assert!(error < 0.01 && (value - truth).abs() < 4.0 * error, "{name}: {value} ± {error}, not {truth}");
+    }
+}
