@@ -73,6 +73,12 @@ impl Basis {
         Self { sets, columns, samples: parts[0].samples.clone(), values: (0..rows).flat_map(row).copied().collect() }
     }
 
+    /// Takes in the same basis of further pixels.
+    pub fn append(&mut self, other: Self) {
+        self.samples.extend(other.samples);
+        self.values.extend(other.values);
+    }
+
     /// Takes in another tracing of the same pixels, with a part `weight` of the whole. The part must not depend on what was found: a pixel
     /// that gets more samples because the first were bright would otherwise end up too dark.
     pub fn join(&mut self, other: &Self, weight: f32) {

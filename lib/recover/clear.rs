@@ -153,7 +153,7 @@ pub fn recover(
         };
         let (first, end) = (indices[0], indices[indices.len() - 1]);
         let mut stage = Stage::new(evidence, unknown, material, indices);
-        let found = Look { sheet: &sheet, bounds: &bounds, effort: &effort }.at(&mut stage, &best.values, &mut seeds);
+        let found = Look { evidence, pixels, bounds: &bounds, effort: &effort }.at(&mut stage, &best.values, &mut seeds);
         let inside = slot.is_none_or(|i| found.values[i] > first && found.values[i] < end);
         if inside || effort.late() || look == MOST_LOOKS {
             return Ok(found);

@@ -49,6 +49,11 @@ pub trait Valley {
     /// Half its gradient, and Gauss and Newton's matrix.
     fn normal_equations(&self, values: &[f64]) -> (Vec<f64>, Vec<Vec<f64>>);
 
+    /// A relative gain that is not worth another step.
+    fn enough(&self) -> f64 {
+        1e-12
+    }
+
     /// The minimum near `start`: Gauss and Newton's steps, damped (Levenberg 1944, Marquardt 1963) and kept inside the bounds.
     /// `free` says which parameters move.
     fn polish(&self, start: &[f64], free: &[bool]) -> Point {
@@ -82,7 +87,7 @@ pub trait Valley {
                 }
                 let chi2 = self.chi2(&values);
                 if chi2 < best.chi2 {
-                    improved = best.chi2 - chi2 > 1e-12 * best.chi2.abs();
+                    improved = best.chi2 - chi2 > self.enough() * best.chi2.abs();
                     best = Point { values, chi2 };
                     damping = (damping * 0.2).max(1e-12);
                     break;

@@ -1,9 +1,10 @@
 //! A look at the picture: samples where they tell most, the values that explain it best near some others, and how sure they are.
 
 use super::fit::{Valley, derivatives};
-use super::statistics::{Channels, Half, Scores, Sheet, pictures, shares};
-use super::{Effort, Recovery, Seeds};
+use super::statistics::{Channels, Half, STEPS, Scores, Sheet, pictures, shares};
+use super::{Effort, Evidence, Recovery, Seeds};
 use crate::anneal::linear::Symmetric;
+use crate::sampling::mix64;
 use crate::transport::Basis;
 use rayon::prelude::*;
 
@@ -30,9 +31,10 @@ pub trait Model: Sync {
 /// The fewest and the most samples of a pixel in each half of a round, whatever its share.
 const SAMPLES: (f64, f64) = (4.0, 1024.0);
 
-/// Samples of all pixels in each half of the first round, and between how many that may be for one pixel.
+/// Samples in each half of the first round, and of each pixel in it, at the least and at the most: rather few pixels that say something
+/// than many that are all noise, which the bottom of χ² takes for signal.
 const FIRST: f64 = 80_000.0;
-const FIRST_MEAN: (f64, f64) = (6.0, 64.0);
+const EACH: (f64, f64) = (48.0, 64.0);
 
 /// By how much a round may add to all samples before it.
 const GROWTH: (f64, f64) = (0.5, 2.0);
@@ -41,13 +43,12 @@ const GROWTH: (f64, f64) = (0.5, 2.0);
 const ROUNDS: usize = 12;
 const BUDGET: f64 = 800_000.0;
 
-/// Steps toward the values that the scores ask for.
-const STEPS: usize = 8;
-
 /// What is looked at, and with what in mind.
 pub struct Look<'a> {
-    /// The pixels.
-    pub sheet: &'a Sheet<'a>,
+    /// The picture.
+    pub evidence: &'a Evidence<'a>,
+    /// The pixels that count.
+    pub pixels: &'a [usize],
     /// Bounds of the parameters.
     pub bounds: &'a [(f64, f64)],
     /// When it is enough, and who is told what each round finds.
@@ -55,45 +56,49 @@ pub struct Look<'a> {
 }
 
 impl Look<'_> {
-    /// Traces and fits, round by round, until what was found is enough, or lies where the model is not to be trusted. What one round finds
-    /// says where the next samples are worth most.
+    /// Traces and fits, round by round, until what was found is enough, or lies where the model is not to be trusted. First more and more
+    /// pixels are seen; then what one round finds says where the next samples are worth most.
     pub fn at(&self, model: &mut dyn Model, near: &[f64], seeds: &mut Seeds) -> Recovery {
+        let pixels = if self.effort.quick { self.pixels.to_vec() } else { scattered(self.pixels, self.evidence.film.width) };
+        let all = pixels.len() as f64;
+        let mut count = if self.effort.quick { all } else { (FIRST / EACH.0).floor().min(all) };
+        let mut each = (FIRST / count).clamp(EACH.0.min(FIRST / count), EACH.1).floor();
         let mut best = near.to_vec();
-        let mut errors: Option<Vec<f64>> = None;
-        let mut sum: Option<Basis> = None;
+        model.tune(&best, None);
+        let trace = |model: &dyn Model, numbers: &[usize], samples: f64, seeds: &mut Seeds| {
+            model.trace(numbers, &vec![samples as u32; numbers.len()], seeds.next())
+        };
+        let mut basis = trace(model, &pixels[..count as usize], each, seeds);
         let mut before: Option<Recovery> = None;
-        let mut shares = vec![1.0; self.sheet.numbers.len()];
-        let (mut mean, mut total) = ((FIRST / shares.len() as f64).clamp(FIRST_MEAN.0, FIRST_MEAN.1), 0.0);
         for round in 1.. {
-            model.tune(&best, errors.as_deref());
-            let samples: Vec<u32> = shares.iter().map(|share| (mean * share).clamp(SAMPLES.0, SAMPLES.1) as u32).collect();
-            let traced = model.trace(self.sheet.numbers, &samples, seeds.next());
-            total += mean;
-            let basis = match sum.take() {
-                Some(mut all) => {
-                    all.join(&traced, (mean / total) as f32);
-                    all
-                }
-                None => traced,
-            };
-            let found;
-            (found, shares) = self.fit(model, &basis, &best);
+            let sheet = Sheet::new(self.evidence, &pixels[..count as usize]);
+            let (found, shares) = self.fit(&sheet, model, &basis, &best);
             (self.effort.told)(&found);
             let strayed = model.trusted(&found.values) != found.values;
-            let spent = self.effort.tolerance.is_none() && total * shares.len() as f64 * model.cost() >= BUDGET;
+            let spent = self.effort.tolerance.is_none() && each * count * model.cost() >= BUDGET;
             if strayed || spent || round == ROUNDS || self.effort.contents(&found, before.as_ref()) {
                 return found;
             }
-            mean = total * (self.effort.lack(&found) - 1.0).clamp(GROWTH.0, GROWTH.1);
-            (best, errors) = (found.values.clone(), Some(found.errors()));
-            (sum, before) = (Some(basis), Some(found));
+            best.clone_from(&found.values);
+            model.tune(&best, Some(&found.errors()));
+            let growth = (self.effort.lack(&found) - 1.0).clamp(GROWTH.0, GROWTH.1);
+            if count < all {
+                let more = (count * (1.0 + growth)).floor().min(all);
+                basis.append(trace(model, &pixels[count as usize..more as usize], each, seeds));
+                count = more;
+            } else {
+                let mean = each * growth;
+                let samples: Vec<u32> = shares.iter().map(|share| (mean * share).clamp(SAMPLES.0, SAMPLES.1) as u32).collect();
+                each += mean;
+                basis.join(&model.trace(&pixels, &samples, seeds.next()), (mean / each) as f32);
+            }
+            before = Some(found);
         }
         unreachable!("a look has rounds")
     }
 
     /// The values that explain the picture best, near some; and which shares of further samples would be best.
-    fn fit(&self, model: &dyn Model, basis: &Basis, near: &[f64]) -> (Recovery, Vec<f64>) {
-        let sheet = self.sheet;
+    fn fit(&self, sheet: &Sheet, model: &dyn Model, basis: &Basis, near: &[f64]) -> (Recovery, Vec<f64>) {
         let halves = pictures(basis, &model.coefficients(near));
         let variance = sheet.variance(&halves, &basis.samples);
         let weights = sheet.by_variance(&halves, &variance, &basis.samples);
@@ -102,7 +107,9 @@ impl Look<'_> {
         let mut values = whole.polish(near, &vec![true; near.len()]).values;
         let scores = |values: &[f64]| {
             let halves = pictures(basis, &model.coefficients(values));
-            Scores::new(sheet, &weights, halves, whole.derivatives(values), self.bounds)
+            let derivatives = whole.derivatives(values);
+            let curvature = whole.curvature(&derivatives);
+            Scores::new(sheet, &weights, halves, derivatives, curvature, self.bounds)
         };
         // From there to where the scores vanish, which has no such bias.
         let mut now = scores(&values);
@@ -125,9 +132,32 @@ impl Look<'_> {
         let next = shares(&now, &weights, &variance);
         let (covariance, own) = now.covariances();
         let losses = now.losses(&sheet.relative());
-        (Recovery { values, covariance, own, common: now.common(), spread: Symmetric::diagonal(&vec![0.0; near.len()]), chi2: now.chi2(), pixels: sheet.numbers.len(), losses }, next)
+        (
+            Recovery {
+                values,
+                covariance,
+                own,
+                common: now.common(),
+                spread: Symmetric::diagonal(&vec![0.0; near.len()]),
+                chi2: now.chi2(),
+                pixels: sheet.numbers.len(),
+                losses,
+            },
+            next,
+        )
     }
 }
+
+/// Pixels in an order in which each first part of them is spread over the picture, in squares that keep neighbours together.
+pub fn scattered(pixels: &[usize], width: usize) -> Vec<usize> {
+    let square = |&n: &usize| mix64((n / width / SQUARE * width + n % width / SQUARE) as u64);
+    let mut pixels = pixels.to_vec();
+    pixels.sort_by_key(square);
+    pixels
+}
+
+/// The side of a square, in pixels.
+const SQUARE: usize = 4;
 
 /// χ² of the mean of both halves, pixel by pixel.
 struct Whole<'a> {
@@ -143,6 +173,31 @@ impl Whole<'_> {
     fn derivatives(&self, values: &[f64]) -> Vec<Vec<Half>> {
         let coefficients = |v: &[f64]| self.model.coefficients(v);
         derivatives(&coefficients, self.bounds, values).iter().map(|j| pictures(self.basis, j)).collect()
+    }
+
+    /// Gauss and Newton's matrix.
+    fn curvature(&self, derivatives: &[Vec<Half>]) -> Vec<Vec<f64>> {
+        self.sum_of_products(derivatives, |_, _| 0.0).1
+    }
+
+    /// The sums over pixels and channels of weight × derivative × `rest`, and of weight × derivative × derivative.
+    fn sum_of_products(&self, derivatives: &[Vec<Half>], rest: impl Fn(usize, usize) -> f64 + Sync) -> (Vec<f64>, Vec<Vec<f64>>) {
+        let n = derivatives.len();
+        let pixel = |sum: &mut Vec<f64>, p: usize| {
+            for c in 0..3 {
+                let w = self.weights[p][c] as f64;
+                let rest = rest(p, c);
+                let d = |i: usize| 0.5 * (derivatives[i][0][p][c] + derivatives[i][1][p][c]);
+                for i in 0..n {
+                    let wd = w * d(i);
+                    sum[i] += wd * rest;
+                    (0..=i).for_each(|j| sum[n + i * n + j] += wd * d(j));
+                }
+            }
+        };
+        let sums = self.sum(|| vec![0.0; n + n * n], pixel, |sum, piece| sum.iter_mut().zip(piece).for_each(|(s, p)| *s += p));
+        let at = |i: usize, j: usize| sums[n + i.max(j) * n + i.min(j)];
+        (sums[..n].to_vec(), (0..n).map(|i| (0..n).map(|j| at(i, j)).collect()).collect())
     }
 
     /// Sums what `part` says of each pixel and channel with the mean of both halves there.
@@ -171,6 +226,10 @@ impl Valley for Whole<'_> {
         self.bounds
     }
 
+    fn enough(&self) -> f64 {
+        1e-6
+    }
+
     fn chi2(&self, values: &[f64]) -> f64 {
         let halves = pictures(self.basis, &self.model.coefficients(values));
         let pixel = |sum: &mut f64, p: usize| {
@@ -185,21 +244,6 @@ impl Valley for Whole<'_> {
     fn normal_equations(&self, values: &[f64]) -> (Vec<f64>, Vec<Vec<f64>>) {
         let halves = pictures(self.basis, &self.model.coefficients(values));
         let derivatives = self.derivatives(values);
-        let n = values.len();
-        let pixel = |sum: &mut Vec<f64>, p: usize| {
-            for c in 0..3 {
-                let w = self.weights[p][c] as f64;
-                let rest = 0.5 * (halves[0][p][c] + halves[1][p][c]) - self.target[p][c] as f64;
-                let d = |i: usize| 0.5 * (derivatives[i][0][p][c] + derivatives[i][1][p][c]);
-                for i in 0..n {
-                    let wd = w * d(i);
-                    sum[i] += wd * rest;
-                    (0..=i).for_each(|j| sum[n + i * n + j] += wd * d(j));
-                }
-            }
-        };
-        let sums = self.sum(|| vec![0.0; n + n * n], pixel, |sum, piece| sum.iter_mut().zip(piece).for_each(|(s, p)| *s += p));
-        let at = |i: usize, j: usize| sums[n + i.max(j) * n + i.min(j)];
-        (sums[..n].to_vec(), (0..n).map(|i| (0..n).map(|j| at(i, j)).collect()).collect())
+        self.sum_of_products(&derivatives, |p, c| 0.5 * (halves[0][p][c] + halves[1][p][c]) - self.target[p][c] as f64)
     }
 }

@@ -2,7 +2,7 @@
 
 use super::fit::{Point, Problem, Valley};
 use super::gram::Gram;
-use super::look::{Look, Model};
+use super::look::{Look, Model, scattered};
 use super::model::{Grid, Kind, alphas, coefficients, parts};
 use super::spread::spread;
 use super::statistics::Sheet;
@@ -10,7 +10,6 @@ use super::{Effort, Evidence, Recovery, Seeds};
 use crate::anneal::{Annealer, Options};
 use crate::color::Rgb;
 use crate::error::Result;
-use crate::sampling::mix64;
 use crate::scene::MaterialId;
 use crate::transport::{self, Alpha, Basis, Pixels, Rough};
 use crate::unknown::Unknown;
@@ -23,8 +22,8 @@ const NODES: (usize, f64) = (16, 1.2);
 const ANISOTROPIC_NODES: (usize, f64) = (8, 1.3);
 
 /// The first look: about so many pixels, samples of each in each half, and roughnesses from which directions are drawn.
-const FIRST_PIXELS: usize = 2500;
-const FIRST_SAMPLES: u32 = 4;
+const FIRST_PIXELS: usize = 640;
+const FIRST_SAMPLES: u32 = 16;
 const FIRST_PROPOSALS: usize = 5;
 
 /// Evaluations of the annealing.
@@ -132,9 +131,9 @@ pub fn recover(
 
     // A first look at all roughnesses, by some of the pixels.
     tell("first look");
-    let step = pixels.len().div_ceil(FIRST_PIXELS) as u64;
-    let some: Vec<usize> = pixels.iter().copied().filter(|&p| mix64(p as u64).is_multiple_of(step)).collect();
-    let sheet = Sheet::new(evidence, if some.is_empty() { pixels } else { &some });
+    let mut some = scattered(pixels, evidence.film.width);
+    some.truncate(FIRST_PIXELS);
+    let sheet = Sheet::new(evidence, &some);
     let known = roughness(kind, &unknown.material().reals);
     let range = |axis: usize| {
         let slot = unknown.slots()[if kind.anisotropic { 4 + axis } else { 4 }];
@@ -151,12 +150,11 @@ pub fn recover(
     let first = (stage, basis);
 
     // Closer looks, each around the answer of the one before, until it stays well inside.
-    let sheet = Sheet::new(evidence, pixels);
     for look in 1.. {
         tell(&format!("look {look}: {best:.4?}"));
         let grid = roughness(kind, &unknown.reals(&best)).map(|middle| around(middle, nodes));
         let mut stage = Stage::new(evidence, unknown, material, kind, grid, vec![]);
-        let mut found = Look { sheet: &sheet, bounds: &bounds, effort: &effort }.at(&mut stage, &best, &mut seeds);
+        let mut found = Look { evidence, pixels, bounds: &bounds, effort: &effort }.at(&mut stage, &best, &mut seeds);
         if stage.holds(&found.values) || look == MOST_LOOKS || effort.late() {
             let size = |values: &[f64]| stage.axes().map(|(_, slot)| values[slot]).product::<f64>();
             let others: Vec<(f64, Vec<f64>)> = others.into_iter().map(|values| (size(&values), values)).collect();

@@ -9,7 +9,13 @@ use crate::transport::Basis;
 
 /// The mean square of how far `others`, each with how much it counts, are from `values`: of those that make the same picture but for an error
 /// that pixels may have in common. `values` themselves count as much as `own`.
-pub fn spread(basis: &Basis, coefficients: &dyn Fn(&[f64]) -> [Vec<f64>; 3], values: &[f64], own: f64, others: &[(f64, Vec<f64>)]) -> Symmetric {
+pub fn spread(
+    basis: &Basis,
+    coefficients: &dyn Fn(&[f64]) -> [Vec<f64>; 3],
+    values: &[f64],
+    own: f64,
+    others: &[(f64, Vec<f64>)],
+) -> Symmetric {
     let found = mean(&pictures(basis, &coefficients(values)));
     let level = found.iter().flatten().sum::<f64>() / (3 * found.len().max(1)) as f64;
     let same = |other: &&(f64, Vec<f64>)| {
@@ -26,7 +32,8 @@ pub fn spread(basis: &Basis, coefficients: &dyn Fn(&[f64]) -> [Vec<f64>; 3], val
     };
     let alike: Vec<&(f64, Vec<f64>)> = others.iter().filter(same).collect();
     let total = own + alike.iter().map(|(weight, _)| weight).sum::<f64>();
-    let off = |i: usize, j: usize| alike.iter().map(|(weight, other)| weight * (other[i] - values[i]) * (other[j] - values[j])).sum::<f64>();
+    let off =
+        |i: usize, j: usize| alike.iter().map(|(weight, other)| weight * (other[i] - values[i]) * (other[j] - values[j])).sum::<f64>();
     Symmetric::of(values.len(), |i, j| off(i, j) / total)
 }
 

@@ -162,7 +162,9 @@ pub struct Scores<'a> {
     derivatives: Vec<Vec<Half>>,
     /// How far each derivative is to be trusted at each pixel.
     trust: Vec<Vec<f64>>,
-    /// The inverse of the matrix that takes values to scores; `None` if the pixels do not determine the values.
+    /// What takes scores to a step that is safe; `None` if the pixels do not determine the values.
+    forward: Option<Vec<Vec<f64>>>,
+    /// What takes scores to all steps together: nearly the inverse of the matrix that takes values to scores.
     inverse: Option<Vec<Vec<f64>>>,
     /// What is known before of each parameter: one over the variance of a value anywhere between its bounds.
     prior: Vec<f64>,
@@ -172,13 +174,26 @@ pub struct Scores<'a> {
 
 impl<'a> Scores<'a> {
     /// The scores where `halves` are the pictures and `derivatives` their derivatives by parameters with these bounds.
-    pub fn new(sheet: &'a Sheet<'a>, weights: &'a Channels, halves: Vec<Half>, derivatives: Vec<Vec<Half>>, bounds: &[(f64, f64)]) -> Self {
+    /// `curvature` is Gauss and Newton's matrix of the mean of both halves.
+    pub fn new(
+        sheet: &'a Sheet<'a>,
+        weights: &'a Channels,
+        halves: Vec<Half>,
+        derivatives: Vec<Vec<Half>>,
+        mut curvature: Vec<Vec<f64>>,
+        bounds: &[(f64, f64)],
+    ) -> Self {
         let trust = derivatives.par_iter().map(|d| trust(sheet, weights, d)).collect();
         let prior = bounds.iter().map(|(low, high)| 12.0 / (high - low).powi(2).max(f64::MIN_POSITIVE)).collect();
-        let mut scores = Self { sheet, weights, halves, derivatives, trust, inverse: None, prior, errors: vec![] };
+        let mut scores = Self { sheet, weights, halves, derivatives, trust, forward: None, inverse: None, prior, errors: vec![] };
         let n = scores.derivatives.len();
-        let matrix = (0..n).map(|i| (0..n).map(|j| scores.slope(i, j) + if i == j { scores.prior[i] } else { 0.0 }).collect()).collect();
-        scores.inverse = invert(matrix);
+        let mut slopes: Vec<Vec<f64>> = (0..n).map(|i| (0..n).map(|j| scores.slope(i, j)).collect()).collect();
+        for i in 0..n {
+            slopes[i][i] += scores.prior[i];
+            curvature[i][i] += scores.prior[i];
+        }
+        scores.forward = invert(curvature);
+        scores.inverse = scores.forward.as_ref().map(|forward| landweber(forward, &slopes));
         scores.errors = (0..n).map(|i| scores.covariances().0.at(i, i).sqrt()).collect();
         scores
     }
@@ -202,11 +217,20 @@ impl<'a> Scores<'a> {
         self.trust[i][p] * (0..3).map(cross).sum::<f64>()
     }
 
-    /// The step to where the scores vanish; `None` if there is no saying.
+    /// A step toward where the scores vanish; `None` if there is no saying.
+    ///
+    /// The slope of the scores is itself known by the noise alone where little is sampled, and its inverse may lead anywhere. The curvature of
+    /// χ² is too steep by the noise, but never flat: [`STEPS`] steps by its inverse come nearly as far where the slope is well known, and
+    /// not astray where it is not (Landweber 1951).
     pub fn step(&self) -> Option<Vec<f64>> {
-        let inverse = self.inverse.as_ref()?;
-        let scores: Vec<f64> = (0..inverse.len()).map(|i| (0..self.weights.len()).map(|p| self.score(i, p)).sum()).collect();
-        Some(inverse.iter().map(|row| row.iter().zip(&scores).map(|(a, s)| a * s).sum()).collect())
+        let inverse = self.forward.as_ref()?;
+        Some(self.by(inverse))
+    }
+
+    /// What a matrix makes of the scores.
+    fn by(&self, matrix: &[Vec<f64>]) -> Vec<f64> {
+        let scores: Vec<f64> = (0..matrix.len()).map(|i| (0..self.weights.len()).map(|p| self.score(i, p)).sum()).collect();
+        matrix.iter().map(|row| row.iter().zip(&scores).map(|(a, s)| a * s).sum()).collect()
     }
 
     /// The largest part of a step, in standard errors.
@@ -244,6 +268,11 @@ impl<'a> Scores<'a> {
                 }
             }
         };
+        // What as many steps again would do is not known either.
+        let rest = self.by(inverse);
+        for i in 0..n {
+            (0..=i).for_each(|j| all.set(i, j, rest[i] * rest[j]));
+        }
         // What the pixels leave open, the bounds still tell.
         for i in 0..n {
             let known: Vec<f64> = (0..n).map(|j| if i == j { self.prior[i].sqrt() } else { 0.0 }).collect();
@@ -320,6 +349,25 @@ pub fn shares(scores: &Scores, weights: &Channels, variance: &[[f64; 3]]) -> Vec
     let spreads: Vec<f64> = (0..weights.len()).map(spread).collect();
     let mean = spreads.iter().sum::<f64>() / spreads.len() as f64;
     spreads.iter().map(|s| if mean > 0.0 && mean.is_finite() { EVEN + (1.0 - EVEN) * s / mean } else { 1.0 }).collect()
+}
+
+/// Steps toward the values that the scores ask for.
+pub const STEPS: usize = 24;
+
+/// What [`STEPS`] steps by `forward` make of scores that change with the values by `slopes`.
+fn landweber(forward: &[Vec<f64>], slopes: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let n = forward.len();
+    let times = |a: &[Vec<f64>], b: &[Vec<f64>]| -> Vec<Vec<f64>> {
+        (0..n).map(|i| (0..n).map(|j| (0..n).map(|k| a[i][k] * b[k][j]).sum()).collect()).collect()
+    };
+    let mut all = forward.to_vec();
+    for _ in 1..STEPS {
+        let left = times(slopes, &all);
+        let rest: Vec<Vec<f64>> = (0..n).map(|i| (0..n).map(|j| (i == j) as u8 as f64 - left[i][j]).collect()).collect();
+        let more = times(forward, &rest);
+        all.iter_mut().flatten().zip(more.into_iter().flatten()).for_each(|(a, m)| *a += m);
+    }
+    all
 }
 
 /// The inverse of a square matrix (Gauss and Jordan, with pivots); `None` if it has none.
