@@ -11,7 +11,6 @@ pub mod gram;
 mod look;
 pub mod model;
 mod rough;
-mod spread;
 mod statistics;
 pub mod types;
 
@@ -69,8 +68,6 @@ pub struct Recovery {
     pub own: Symmetric,
     /// What an error that the pixels have in common does to the values.
     pub common: Symmetric,
-    /// How far other values lie from these, anywhere in the bounds, that make the same picture but for such an error.
-    pub spread: Symmetric,
     /// χ² of equation 11 over the pixels that count, without what the noise of the rendering adds to it.
     pub chi2: f64,
     /// How many pixels count.
@@ -147,8 +144,7 @@ impl Recovery {
 
     /// What is known of the errors of the values.
     pub fn known(&self) -> Known<'_> {
-        let all = Symmetric::of(self.values.len(), |i, j| self.covariance.at(i, j) + self.spread.at(i, j));
-        Known { covariance: all, common: Some(&self.common) }
+        Known { covariance: self.covariance.clone(), common: Some(&self.common) }
     }
 }
 

@@ -10,7 +10,7 @@ const STILL: &str = "it sphere s 0 0 4 0 0 0 .6\n!genbox it b 1 1 .5 | xform -t 
 
 /// Light that is the same from everywhere, and a lamp.
 const UNIFORM: &str = "void glow even 0 0 4 1 1 1 0\neven source sky 0 0 4 0 0 1 360\n";
-const LAMP: &str = "void light bulb 0 0 3 60 60 60\nbulb sphere lamp 0 0 4 -3 -4 4 .3\n";
+const LAMP: &str = "void light bulb 0 0 3 300 300 300\nbulb sphere lamp 0 0 4 -3 -4 4 .3\n";
 
 fn run(program: &str, directory: &Path, arguments: &str) -> Output {
     Command::new(program).current_dir(directory).args(arguments.split_whitespace()).output().unwrap()

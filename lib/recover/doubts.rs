@@ -43,7 +43,7 @@ pub enum Standing {
 /// What is not determined has a standard error of at least this part of the one that bounds alone would give it.
 const UNDETERMINED: f64 = 0.25;
 /// Values that are known only together are correlated at least so much.
-const TOGETHER: f64 = 0.7;
+const TOGETHER: f64 = 0.9;
 /// Beyond this part of what bounds alone would say, they alone say it.
 const ANYWHERE: f64 = 0.9;
 
@@ -192,7 +192,7 @@ mod tests {
         assert_eq!(found.doubts.len(), 2, "{:?}", found.doubts);
         assert!(found.doubts[0].starts_with("blue is not determined: this picture and this light say next to nothing of it; "));
         assert!(found.doubts[1].starts_with(
-            "rough is not determined: an error of 2 % in the light, the shape or the picture could move it by 0.04; a small lamp"
+            "rough is not determined: an error of 1.5 % in the light, the shape or the picture could move it by 0.04; a small lamp"
         ));
         assert!((found.errors[2] - 12f64.sqrt().recip()).abs() < 1e-9 && (found.errors[4] - 0.4 * 0.01f64.hypot(0.1)).abs() < 1e-9);
         assert_eq!((found.errors[0], found.standings[4]), (0.001, Standing::Open));

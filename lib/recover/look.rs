@@ -3,7 +3,6 @@
 use super::fit::{Valley, derivatives};
 use super::statistics::{Channels, Half, STEPS, Scores, Sheet, pictures, shares};
 use super::{Effort, Evidence, Recovery, Seeds};
-use crate::anneal::linear::Symmetric;
 use crate::sampling::mix64;
 use crate::transport::Basis;
 use rayon::prelude::*;
@@ -132,19 +131,7 @@ impl Look<'_> {
         let next = shares(&now, &weights, &variance);
         let (covariance, own) = now.covariances();
         let losses = now.losses(&sheet.relative());
-        (
-            Recovery {
-                values,
-                covariance,
-                own,
-                common: now.common(),
-                spread: Symmetric::diagonal(&vec![0.0; near.len()]),
-                chi2: now.chi2(),
-                pixels: sheet.numbers.len(),
-                losses,
-            },
-            next,
-        )
+        (Recovery { values, covariance, own, common: now.common(), chi2: now.chi2(), pixels: sheet.numbers.len(), losses }, next)
     }
 }
 

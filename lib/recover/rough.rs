@@ -4,7 +4,6 @@ use super::fit::{Point, Problem, Valley};
 use super::gram::Gram;
 use super::look::{Look, Model, scattered};
 use super::model::{Grid, Kind, alphas, coefficients, parts};
-use super::spread::spread;
 use super::statistics::Sheet;
 use super::{Effort, Evidence, Recovery, Seeds};
 use crate::anneal::{Annealer, Options};
@@ -146,20 +145,15 @@ pub fn recover(
     let basis = stage.trace(sheet.numbers, &vec![FIRST_SAMPLES; sheet.numbers.len()], seeds.next());
     let gram = Gram::new(&basis, &sheet.target, &sheet.relative());
     let problem = Problem { gram: &gram, coefficients: &|v| stage.coefficients(v), bounds: &bounds };
-    let (mut best, others) = search(&problem, &stage, effort.seed)?;
-    let first = (stage, basis);
+    let mut best = search(&problem, &stage, effort.seed)?;
 
     // Closer looks, each around the answer of the one before, until it stays well inside.
     for look in 1.. {
         tell(&format!("look {look}: {best:.4?}"));
         let grid = roughness(kind, &unknown.reals(&best)).map(|middle| around(middle, nodes));
         let mut stage = Stage::new(evidence, unknown, material, kind, grid, vec![]);
-        let mut found = Look { evidence, pixels, bounds: &bounds, effort: &effort }.at(&mut stage, &best, &mut seeds);
+        let found = Look { evidence, pixels, bounds: &bounds, effort: &effort }.at(&mut stage, &best, &mut seeds);
         if stage.holds(&found.values) || look == MOST_LOOKS || effort.late() {
-            let size = |values: &[f64]| stage.axes().map(|(_, slot)| values[slot]).product::<f64>();
-            let others: Vec<(f64, Vec<f64>)> = others.into_iter().map(|values| (size(&values), values)).collect();
-            let coefficients = |v: &[f64]| first.0.coefficients(v);
-            found.spread = spread(&first.1, &coefficients, &found.values, size(&found.values), &others);
             return Ok(found);
         }
         best = found.values;
@@ -167,8 +161,8 @@ pub fn recover(
     unreachable!()
 }
 
-/// The deepest valley: annealing inside the bounds, and descents from every roughness in case it was not found; and the best at each roughness.
-fn search(problem: &Problem, stage: &Stage, seed: u64) -> Result<(Vec<f64>, Vec<Vec<f64>>)> {
+/// The deepest valley: annealing inside the bounds, and descents from every roughness in case it was not found.
+fn search(problem: &Problem, stage: &Stage, seed: u64) -> Result<Vec<f64>> {
     let parameters = stage.unknown.parameters();
     let options = Options {
         seed,
@@ -202,6 +196,5 @@ fn search(problem: &Problem, stage: &Stage, seed: u64) -> Result<(Vec<f64>, Vec<
         starts.push(problem.polish(&values, &free).values);
     }
     let found: Option<Point> = starts.iter().map(|start| problem.polish(start, &all)).min_by(|a, b| a.chi2.total_cmp(&b.chi2));
-    let found = found.map_or_else(|| starts[0].clone(), |point| point.values);
-    Ok((found, starts.split_off(1)))
+    Ok(found.map_or_else(|| starts.swap_remove(0), |point| point.values))
 }

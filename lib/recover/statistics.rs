@@ -132,7 +132,7 @@ const OUTLIER: f64 = 4.0;
 /// How much further off it may be per unit of the rendering's variance in terms of the photograph's: what both halves missed is no outlier.
 const OWN: f64 = 5.0;
 /// The part of its value by which a picture may be off in many pixels at once: by its light, its shape, the formula of a lobe.
-pub const COMMON: f64 = 0.02;
+pub const COMMON: f64 = 0.015;
 /// And the relative misfit of a perfect photograph.
 const MISFIT: f64 = 0.01;
 
