@@ -1,14 +1,18 @@
 # make demo    builds the programs and recovers three materials from pictures of them (examples/demo)
+# make extremes  shows the model at the ends of its parameters, beside closed forms (tests/extremes.rs)
 # make faults  kills, soaks and starves the programs (tests/faults.rs)
 # make raycast casts rays beside Embree (examples/raycast)
 # make tradeoff  measures error against time (examples/tradeoff)
 # make test    runs all tests
 
-.PHONY: demo faults raycast test tradeoff
+.PHONY: demo extremes faults raycast test tradeoff
 
 demo:
 	cargo build --locked --release --bin rtrace-rs --bin imgdiff --bin anneal
 	$(MAKE) -C examples/demo
+
+extremes:
+	cargo test --locked --release --test extremes -- --nocapture
 
 faults:
 	FAULTS=200 cargo test --locked --test faults -- --nocapture

@@ -44,7 +44,7 @@ impl Environment {
         let area = |y: usize| (cosines[y] - cosines[y + 1]) / 2.0;
         let mean_of = |y: usize, x: usize| {
             let next = (x + 1) % width;
-            (corners[y][x] + corners[y][next] + corners[y + 1][x] + corners[y + 1][next]) / 4.0
+            [corners[y][x], corners[y][next], corners[y + 1][x], corners[y + 1][next]].map(|c| c / 4.0).iter().sum::<f32>()
         };
         let mean: f64 = (0..height).map(|y| area(y) / width as f64 * (0..width).map(|x| mean_of(y, x) as f64).sum::<f64>()).sum();
         let mean = (mean * (1.0 + 1e-6)) as f32;

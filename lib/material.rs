@@ -4,7 +4,7 @@ use crate::color::Rgb;
 use crate::error::Result;
 use crate::pattern::{Functions, Sources};
 use crate::rad::Primitive;
-use crate::vector::Vec3;
+use crate::vector::{Vec3, one_minus_cos};
 use std::sync::Arc;
 
 /// A material, with its real arguments A1, A2… by name.
@@ -219,7 +219,7 @@ impl Material {
                 if aim == Vec3::ZERO {
                     return Err(primitive.real_error(4, "the aim of a spotlight must not be zero"));
                 }
-                Self::Spotlight(a.rgb(0), 1.0 - (a.real(3).to_radians() / 2.0).cos(), aim)
+                Self::Spotlight(a.rgb(0), one_minus_cos(a.real(3).to_radians() / 2.0), aim)
             }
             _ => return Ok(None),
         }))

@@ -112,9 +112,14 @@ impl<R: BufRead> Reader<R> {
                 },
                 None => Ok(None),
             },
-            Form::Double => Ok(self.bytes::<8>()?.map(f64::from_ne_bytes)),
-            _ => Ok(self.bytes::<4>()?.map(|b| f32::from_ne_bytes(b) as f64)),
+            Form::Double => self.bytes::<8>()?.map(|b| self.finite(f64::from_ne_bytes(b))).transpose(),
+            _ => self.bytes::<4>()?.map(|b| self.finite(f32::from_ne_bytes(b) as f64)).transpose(),
         }
+    }
+
+    /// A number that a ray can have.
+    fn finite(&self, value: f64) -> Result<f64> {
+        if value.is_finite() { Ok(value) } else { Err(Error::new(format!("{}: {value} is not a finite number", self.place()))) }
     }
 
     /// The next word of a text.

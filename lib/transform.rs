@@ -105,8 +105,7 @@ impl Transform {
     }
 
     fn scaling(factor: f64) -> Result<Self> {
-        // RADIANCE refuses what it takes for zero.
-        if factor.abs() <= 1e-6 {
+        if !(factor.abs() > 0.0 && factor.is_finite()) {
             return Err(Error::new("`-s` cannot scale to nothing"));
         }
         Ok(Self { scale: factor.abs(), mirrored: factor < 0.0, ..Self::linear(Mat3::from_diagonal(Vec3::splat(factor))) })

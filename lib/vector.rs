@@ -11,6 +11,12 @@ pub type Affine = glam::DAffine3;
 /// A 3 × 3 matrix, column by column.
 pub type Mat3 = glam::DMat3;
 
+/// 1 − cos of an angle in radians, exact for the smallest too.
+pub fn one_minus_cos(angle: f64) -> f64 {
+    let sine = (angle / 2.0).sin();
+    2.0 * sine * sine
+}
+
 /// A right-handed orthonormal basis whose third axis is a given direction.
 #[derive(Clone, Copy, Debug)]
 pub struct Frame {

@@ -306,7 +306,7 @@ impl World {
 impl Source {
     /// Whether the direction lies in its cone.
     fn contains(&self, direction: Vec3) -> bool {
-        // RADIANCE keeps the solid angle in single precision.
-        2.0 * PI * (1.0 - direction.dot(self.direction)) <= (2.0 * PI * self.spread) as f32 as f64
+        // RADIANCE keeps the solid angle in single precision. Half the square of a chord is 1 − cos.
+        PI * direction.distance_squared(self.direction) <= (2.0 * PI * self.spread) as f32 as f64
     }
 }

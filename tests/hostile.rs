@@ -7,6 +7,8 @@
 mod bytes;
 #[path = "hostile/harness.rs"]
 mod harness;
+#[path = "hostile/parts.rs"]
+mod parts;
 #[path = "hostile/texts.rs"]
 mod texts;
 #[path = "hostile/words.rs"]
@@ -22,7 +24,7 @@ fn bytes_of_picture() -> Vec<u8> {
 
 #[test]
 fn what_is_whole_is_accepted() {
-    harness::accept(&[texts::whole(), bytes::whole()].concat());
+    harness::accept(&[texts::whole(), bytes::whole(), parts::whole()].concat());
 }
 
 #[test]
@@ -79,4 +81,24 @@ fn states() {
 #[test]
 fn arguments() {
     refuse("arguments", &words::arguments());
+}
+
+#[test]
+fn parts_of_pictures() {
+    refuse("parts of pictures", &parts::parts());
+}
+
+#[test]
+fn rays() {
+    refuse("rays", &parts::rays());
+}
+
+#[test]
+fn probes() {
+    refuse("probes", &parts::probes());
+}
+
+#[test]
+fn files_of_options() {
+    refuse("files of options", &parts::options());
 }

@@ -64,6 +64,40 @@ fn every_pixel_that_radiance_writes_survives() {
 }
 
 #[test]
+fn every_pixel_of_all_is_what_it_is_after_one_writing() {
+    // All exponents with all mantissas in each channel, beside others: in memory, and in files of either colour space.
+    let all = |rest: u8| {
+        (0..=255u8).flat_map(move |e| (0..=255u8).flat_map(move |m| [[m, rest, rest, e], [rest, m, rest, e], [rest, rest, m, e]]))
+    };
+    for rest in [0, 1, 127, 128, 255] {
+        for pixel in all(rest) {
+            let value = decode(pixel);
+            let written = encode(value).unwrap();
+            // As it was, if RADIANCE writes such; else scaled up, and off by no more than a step; what is at most 1e-32 is black.
+            let largest = pixel[0].max(pixel[1]).max(pixel[2]);
+            if largest >= 128 && pixel[3] >= 23 {
+                assert_eq!(written, pixel);
+            } else if value.iter().all(|&v| v <= 1e-32) {
+                assert_eq!(written, [0; 4]);
+            }
+            let again = decode(written);
+            assert_eq!(encode(again), Some(written), "{pixel:?}");
+            let step = (pixel[3] as f32 - 136.0).exp2();
+            assert!(written == [0; 4] || again.iter().zip(value).all(|(a, v)| (a - v).abs() <= step), "{pixel:?}: {value:?}, {again:?}");
+        }
+        for format in ["rgbe", "xyze"] {
+            let pixels: Vec<u8> = all(rest).filter(|&p| encode(decode(p)) == Some(p)).flatten().collect();
+            let resolution = format!("-Y 1 +X {}", pixels.len() / 4);
+            let bytes = file(&format!("FORMAT=32-bit_rle_{format}\n"), &resolution, &pixels);
+            let picture = read(&bytes);
+            assert_eq!(picture.header.format == Format::Xyz, format == "xyze");
+            assert!(picture.pixels.iter().zip(pixels.chunks_exact(4)).all(|(v, p)| *v == decode([p[0], p[1], p[2], p[3]])));
+            assert!(read(&picture.write_hdr().unwrap()) == picture);
+        }
+    }
+}
+
+#[test]
 fn a_line_is_encoded_as_radiance_encodes_it() {
     // Recorded: `pvalue -r -df -h -y 1 +x 24` of RADIANCE 6.0a on these values (red has runs of 2, 3, 5 and 3 equal bytes).
     let red = [128, 128, 130, 131, 132, 133, 133, 133, 134, 134, 134, 134, 134, 140, 141, 142, 142, 143, 143, 143, 150, 151, 151, 151];

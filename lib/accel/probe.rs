@@ -79,6 +79,10 @@ impl Probe {
         }
         start -= lead;
         let exact_origin = space.local(ray.at(start));
+        // A ray that is no ray meets nothing.
+        if exact_origin.is_nan() {
+            return None;
+        }
         let origin = single(exact_origin);
         // The longest axis.
         let (x, y, z) = (d[0].abs(), d[1].abs(), d[2].abs());

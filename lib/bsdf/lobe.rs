@@ -13,7 +13,8 @@ pub fn fresnel(c: f64, offset: f64) -> f64 {
 
 /// Schlick's approximation of what a Fresnel term adds at the cosine `c` (Schlick 1994, equation 15).
 pub fn schlick(c: f64) -> f64 {
-    (1.0 - c).powi(5)
+    // A cosine may be rounded to more than 1.
+    (1.0 - c).max(0.0).powi(5)
 }
 
 /// The rough reflection lobe times cosine, without its colour: Ward's Gaussian of half-vector slopes, for local directions on the same side.

@@ -16,8 +16,8 @@ impl Bsdf {
         let direction = bsdf.mirror(point);
         let mirror = |coefficient: f64| Delta { direction, coefficient: Rgb::splat(coefficient), reflected: true, medium: None };
         let k = 1.0 - eta * eta * (1.0 - cos * cos);
-        // Also true of an index that is no number: then everything is reflected.
-        if !(k >= 1e-6) {
+        // Also true of an index that is none: then everything is reflected.
+        if !(1e-6..f64::INFINITY).contains(&k) {
             bsdf.deltas[0] = Some(mirror(1.0));
             return bsdf;
         }
@@ -61,14 +61,22 @@ impl Bsdf {
 }
 
 /// What a pane of index `n` and transmissivity `t` at normal incidence reflects and transmits at the cosine `cos`, all inner reflections together.
+/// Everything is reflected where no light gets inside.
 pub fn pane(cos: f64, n: f64, t: f64) -> [f64; 2] {
     let inside = (1.0 - (1.0 - cos * cos) / (n * n)).max(0.0).sqrt();
+    if !(n * inside > 0.0) {
+        return [1.0, 0.0];
+    }
     let through = t.max(1e-15).powf(1.0 / inside);
     let mut sum = [0.0; 2];
-    for r in [((cos - n * inside) / (cos + n * inside)).powi(2), ((inside - n * cos) / (inside + n * cos)).powi(2)] {
-        let inner = 1.0 - r * r * through * through;
-        sum[0] += 0.5 * r * (1.0 + (1.0 - 2.0 * r) * through * through) / inner;
-        sum[1] += 0.5 * (1.0 - r) * (1.0 - r) * through / inner;
+    for (a, b) in [(cos, n * inside), (inside, n * cos)] {
+        // What enters is not the difference of two numbers near 1.
+        let (r, enters) = (((a - b) / (a + b)).powi(2), 4.0 * a * b / (a + b).powi(2));
+        // A pane that lets through more than all may reflect inside without end: then only its face counts.
+        let back = r * through;
+        let transmitted = if back < 1.0 { enters * enters * through / ((enters + r * (1.0 - through)) * (1.0 + back)) } else { 0.0 };
+        sum[0] += 0.5 * (r + if back < 1.0 { back * transmitted } else { 0.0 });
+        sum[1] += 0.5 * transmitted;
     }
     sum
 }

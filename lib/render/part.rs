@@ -124,12 +124,17 @@ fn append(planes: &Planes, range: &Range<u32>, pixels: &mut [Pixel], name: &str)
     }
     for sum in 0..3 * GROUPS {
         for level in 0.. {
-            let [high, low] = names(level, sum).map(|name| plane(&name));
-            let (Some(high), Some(low)) = (high, low) else {
+            let names = names(level, sum);
+            if planes.plane(&names[0]).or(planes.plane(&names[1])).is_none() {
                 break;
-            };
+            }
+            let (high, low) = (needed(&names[0])?, needed(&names[1])?);
             for (i, part) in parts.iter_mut().enumerate() {
-                part.add_to(sum, f64::from_bits((high[i] as u64) << 32 | low[i] as u64));
+                let value = f64::from_bits((high[i] as u64) << 32 | low[i] as u64);
+                if !value.is_finite() {
+                    return Err(Error::new(format!("{name}: a sum of a pixel is {value}; it is no whole part")));
+                }
+                part.add_to(sum, value);
             }
         }
     }

@@ -11,7 +11,7 @@ use crate::rad::{Class, Primitive};
 use crate::resolve::Resolve;
 use crate::support::unsupported;
 use crate::transform::Transform;
-use crate::vector::Vec3;
+use crate::vector::{Vec3, one_minus_cos};
 use std::collections::HashMap;
 use std::rc::Rc;
 use std::sync::Arc;
@@ -173,7 +173,7 @@ impl<'a> Builder<'a> {
             name: primitive.name.clone(),
             modifier: primitive.modifier.clone(),
             direction: direction.normalize(),
-            spread: 1.0 - (angle.to_radians() / 2.0).cos(),
+            spread: one_minus_cos(angle.to_radians() / 2.0),
             chain,
         });
         Ok(())

@@ -100,7 +100,10 @@ impl World {
         world.probes = Probes::new(&world, &probes, rules.field, ENVIRONMENT_ROWS);
         if world.probes.is_some() {
             world.make_room(probes[0].1);
-        } else if world.sources.iter().any(|s| s.lamp.is_none()) {
+        } else if let Some(glow) = world.sources.iter().find(|s| s.lamp.is_none())
+            && !(glow.spread >= 2.0 && world.chains[glow.chain].links.is_empty())
+        {
+            // The first one that is all around, without a pattern, is all there is: nothing stands out.
             world.environment = Environment::new(ENVIRONMENT_ROWS, |d| world.glow(middle, d));
         }
         Ok(world)

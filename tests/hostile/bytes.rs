@@ -19,7 +19,7 @@ fn picture() -> Picture {
 }
 
 /// Cut at so many places, the last of them one byte before the end.
-fn cuts(bytes: &[u8], count: usize) -> Vec<(String, Content)> {
+pub fn cuts(bytes: &[u8], count: usize) -> Vec<(String, Content)> {
     let at = (1..=count).map(|i| if i == count { bytes.len() - 1 } else { bytes.len() * i / count });
     at.map(|end| (format!("cut to {end} of {} bytes", bytes.len()), Content::from(&bytes[..end]))).collect()
 }
@@ -30,7 +30,7 @@ fn changed(bytes: &[u8], from: &[u8], to: &[u8]) -> Content {
     Content::Bytes([&bytes[..at], to, &bytes[at + from.len()..]].concat())
 }
 
-fn named(rows: Vec<(&str, Content)>) -> Vec<(String, Content)> {
+pub fn named(rows: Vec<(&str, Content)>) -> Vec<(String, Content)> {
     rows.into_iter().map(|(label, content)| (label.to_string(), content)).collect()
 }
 
