@@ -74,15 +74,6 @@ impl Look<'_> {
             let sheet = Sheet::new(self.evidence, &pixels[..count as usize]);
             let (found, shares) = self.fit(&sheet, model, &basis, &best);
             (self.effort.told)(&found);
-                eprintln!(
-                    "T: {:?} round {round} px {count} each {each} v {:.5?} se {:.5?} own {:.5?} chi2 {:.2}",
-                    std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).unwrap().as_millis() % 100000,
-                    found.values,
-                    found.errors(),
-                    found.own.deviations(),
-                    found.chi2
-                );
-            }
             let strayed = model.trusted(&found.values) != found.values;
             let budget = if self.effort.tolerance.is_none() { BUDGET / each / count } else { f64::INFINITY };
             let time = self.effort.until.map_or(f64::INFINITY, |until| {
