@@ -404,8 +404,9 @@ fn annotation(span: Span) -> Option<Annotation> {
         rest = r;
     }
     let mut words = words.into_iter();
-    (!text.starts_with(char::is_whitespace)).then_some(())?;
-    Some(Annotation { word: words.next()?, arguments: words.collect(), span, before: 0 })
+    // Its first word stands right there, and is no matter for quotes.
+    let word = words.next().filter(|word| text.starts_with(word.as_str()))?;
+    Some(Annotation { word, arguments: words.collect(), span, before: 0 })
 }
 
 /// The path of `name` as seen from `folder`.

@@ -41,6 +41,11 @@ pub trait Transport {
     /// The throughput behind a direction that was drawn from a part in one way, and the density it was drawn with, `count` samples of each
     /// way being expected.
     fn drawn(&self, beta: &Self::Beta, surface: &Self::Surface, wi: Vec3, part: Part, way: usize, count: f64) -> (Self::Beta, f64);
+    /// A throughput that vanishes on the average, for the light of one more direction: what the numbers `us` that directions were drawn from a
+    /// part with left too much or too little of it (a control variate). `None` where none is of use.
+    fn control(&self, _beta: &Self::Beta, _surface: &Self::Surface, _part: Part, _us: &[[f64; 2]]) -> Option<Self::Beta> {
+        None
+    }
     /// The throughput of light that reaches one side of the surface from all directions alike, through the diffuse part.
     fn ambient(&self, beta: &Self::Beta, surface: &Self::Surface, side: usize) -> Self::Beta;
     /// The throughput behind a direction that is scattered into alone.

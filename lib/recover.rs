@@ -14,6 +14,7 @@ mod rough;
 mod statistics;
 pub mod types;
 
+use crate::anneal::Parameter;
 use crate::anneal::linear::Symmetric;
 use crate::error::{Error, Result};
 use crate::geometry::Ray;
@@ -82,22 +83,27 @@ impl Effort<'_> {
         self.quick || self.until.is_some_and(|until| Instant::now() >= until)
     }
 
-    /// The standard error that satisfies for a value.
-    fn near(&self, value: f64) -> f64 {
-        self.tolerance.unwrap_or((NEAR * value.abs()).clamp(NEAREST.0, NEAREST.1))
+    /// The standard error that satisfies for a parameter.
+    fn near(&self, parameter: &Parameter, value: f64) -> f64 {
+        self.tolerance.unwrap_or_else(|| match parameter.name.as_str() {
+            "rough" | "urough" | "vrough" => (NEAR_ROUGHNESS * value.abs()).max(NEAREST_ROUGHNESS),
+            "ior" => NEAR_INDEX,
+            _ => NEAR,
+        })
     }
 
     /// Whether a recovery is as good as is wished for, or as the picture allows; `before` is what fewer samples gave.
-    fn contents(&self, found: &Recovery, before: Option<&Recovery>) -> bool {
+    fn contents(&self, parameters: &[Parameter], found: &Recovery, before: Option<&Recovery>) -> bool {
         let gained = |i: usize| before.is_none_or(|before| found.covariance.at(i, i) < GAIN * before.covariance.at(i, i));
         let settled = |i: usize| self.tolerance.is_none() && found.own.at(i, i) <= OWN * found.covariance.at(i, i) && !gained(i);
-        self.late() || (0..found.values.len()).all(|i| found.covariance.at(i, i).sqrt() <= self.near(found.values[i]) || settled(i))
+        let near = |(i, p): (usize, &Parameter)| found.covariance.at(i, i).sqrt() <= self.near(p, found.values[i]) || settled(i);
+        parameters.iter().enumerate().all(near)
     }
 
     /// How many times as many samples would make it so, as far as can be said.
-    fn lack(&self, found: &Recovery) -> f64 {
-        let lack = |i: usize| {
-            let (all, own, near) = (found.covariance.at(i, i), found.own.at(i, i), self.near(found.values[i]).powi(2));
+    fn lack(&self, parameters: &[Parameter], found: &Recovery) -> f64 {
+        let lack = |(i, p): (usize, &Parameter)| {
+            let (all, own, near) = (found.covariance.at(i, i), found.own.at(i, i), self.near(p, found.values[i]).powi(2));
             if all <= near {
                 return 1.0;
             }
@@ -105,13 +111,16 @@ impl Effort<'_> {
             let enough = if near > photographed { own / (near - photographed) } else { f64::INFINITY };
             enough.min(own / (OWN * all))
         };
-        (0..found.values.len()).map(lack).fold(1.0, f64::max)
+        parameters.iter().enumerate().map(lack).fold(1.0, f64::max)
     }
 }
 
-/// A standard error that satisfies when nothing is said: this part of the value, between two limits.
-const NEAR: f64 = 0.012;
-const NEAREST: (f64, f64) = (0.0001, 0.001);
+/// The standard error that satisfies when nothing is said: of a colour or a share, of an index of refraction, and of a roughness in terms
+/// of itself, down to the last.
+const NEAR: f64 = 0.0012;
+const NEAR_INDEX: f64 = 0.0003;
+const NEAR_ROUGHNESS: f64 = 0.015;
+const NEAREST_ROUGHNESS: f64 = 0.0001;
 
 /// Or what the picture allows: the part of a variance that the rendering may make.
 const OWN: f64 = 0.25;

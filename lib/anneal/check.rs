@@ -6,22 +6,22 @@ impl Annealer {
     /// Whether all parts fit together, so that going on cannot fail.
     pub fn is_consistent(&self) -> bool {
         let (count, trials) = (self.parameters.len(), self.trials.len());
-        let vector = |values: &[f64]| values.len() == count && values.iter().all(|x| x.is_finite());
+        let within =
+            |values: &[f64]| values.len() == count && self.parameters.iter().zip(values).all(|(p, v)| (p.low..=p.high).contains(v));
         // What a new search is made of must pass the same checks.
         Self::new(self.parameters.clone(), self.options.clone()).is_ok()
             && self.stage < self.options.stages.len()
             && self
                 .trials
                 .iter()
-                .all(|trial| vector(&trial.values) && trial.chi2.is_finite() && trial.times > 0 && trial.stage <= self.stage)
+                .all(|trial| within(&trial.values) && trial.chi2.is_finite() && trial.times > 0 && trial.stage <= self.stage)
             && self.trials.iter().map(|trial| trial.times as usize).sum::<usize>() == self.told
             && self.walk.as_ref().is_none_or(|walk| walk.is_consistent(count, trials))
             && self.polish.as_ref().is_none_or(|polish| polish.is_consistent(count))
             && self.answer.is_none_or(|answer| answer < trials)
             && self.next.is_some() == self.end.is_none()
             && self.next.as_ref().is_none_or(|next| {
-                vector(&next.values)
-                    && self.parameters.iter().zip(&next.values).all(|(p, v)| (p.low..=p.high).contains(v))
+                within(&next.values)
                     && match &next.purpose {
                         Purpose::Survey | Purpose::Polish => true,
                         Purpose::Step(step) => self.walk.as_ref().is_some_and(|walk| walk.has(step, count)),

@@ -27,6 +27,9 @@ struct Ways {
     chosen: Option<usize>,
 }
 
+/// A part that is sampled in more ways than these has no control variate.
+const MOST_WAYS: usize = 4;
+
 impl Ways {
     fn take(&self, way: usize) -> bool {
         self.chosen.is_none_or(|c| c == way)
@@ -156,8 +159,12 @@ impl<B: Clone> Integrator<'_, B> {
         let count = surface.ways(part);
         let only = if at.exact || count == 1 { None } else { Some(((self.draw(at)[0] * count as f64) as usize).min(count - 1)) };
         from.shared = ways.aims[k] > 0.0;
+        let mut us = [[0.0; 2]; MOST_WAYS];
         for way in (0..count).filter(|&w| only.is_none_or(|o| o == w)) {
             let u = self.draw(at);
+            if let Some(kept) = us.get_mut(way) {
+                *kept = u;
+            }
             let Some(wi) = surface.sample(part, way, u) else { continue };
             from.direction = surface.bsdf().to_world(wi);
             from.lamps =
@@ -167,6 +174,18 @@ impl<B: Clone> Integrator<'_, B> {
             let exact = std::mem::take(&mut at.exact);
             self.send(transport, at, beta, from, &next);
             at.exact = exact;
+        }
+        if at.exact
+            && let Some(us) = us.get(..count)
+            && let Some(beta) = transport.control(&at.beta, surface, part, us)
+        {
+            let u = self.draw(at);
+            let Some(wi) = surface.sample(part, 0, u) else { return };
+            (from.direction, from.lamps) = (surface.bsdf().to_world(wi), 0.0);
+            from.density = transport.drawn(&at.beta, surface, wi, part, 0, ways.counts[k]).1;
+            at.exact = false;
+            self.send(transport, at, beta, from, &next);
+            at.exact = true;
         }
     }
 

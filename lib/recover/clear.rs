@@ -20,16 +20,16 @@ const LEAST_INDEX: f64 = 0.2;
 /// The index of glass that does not say its own (semantics 3.7).
 const GLASS_INDEX: f64 = 1.52;
 
-/// Width of the blocks of pixels, look by look, and samples of a pixel in each half.
-const BLOCKS: [(usize, u32); 3] = [(8, 1), (8, 1), (1, 2)];
+/// Width of the blocks of pixels, look by look, and samples in each half of a pixel; a quarter of the pixels is sampled.
+const BLOCKS: [(usize, u32); 3] = [(8, 1), (8, 2), (1, 3)];
 /// Distance of the indices of the first look, and how much nearer those of the next stand.
 const FIRST: f64 = 0.1;
 const NEARER: f64 = 4.0;
 /// Evaluations of the annealing at each look.
 const STEPS: usize = 300;
 
-/// Distance of the three indices that the pixels are looked at with.
-const SPREAD: f64 = 0.004;
+/// How far the two indices that the pixels are looked at with lie to either side.
+const SPREAD: f64 = 0.003;
 
 /// Indices, and the bases there.
 struct Stage<'a> {
@@ -64,10 +64,6 @@ impl<'a> Stage<'a> {
 
 impl Model for Stage<'_> {
     fn tune(&mut self, _: &[f64], _: Option<&[f64]>) {}
-
-    fn cost(&self) -> f64 {
-        self.parts.len() as f64
-    }
 
     fn trace(&self, pixels: &[usize], samples: &[u32], seed: u64) -> Basis {
         let pixels = Pixels { numbers: pixels, samples, lens: &self.evidence.film.lens() };
@@ -112,12 +108,12 @@ pub fn recover(
     // The valley, by blocks of pixels.
     let mut best = Point { values: start, chi2: f64::INFINITY };
     let (mut from, mut to, mut step) = (low, high, FIRST);
-    for (look, &(width, samples)) in BLOCKS.iter().enumerate() {
+    for (width, samples) in BLOCKS {
         let blocks = Blocks::new(&sheet, width);
         let count = ((to - from) / step).round().max(1.0) as usize;
         let indices: Vec<f64> = (0..=count).map(|i| from + (to - from) * i as f64 / count as f64).collect();
         tell(&format!("indices {:.3} to {:.3}", from, to));
-        let sampled: Vec<usize> = blocks.sample(look);
+        let sampled: Vec<usize> = blocks.sample();
         let mut found = Vec::new();
         for &index in if slot.is_some() { &indices[..] } else { &indices[..1] } {
             let stage = Stage::new(evidence, unknown, material, vec![index]);
@@ -148,12 +144,16 @@ pub fn recover(
     for look in 1.. {
         tell(&format!("look {look}: {:.4?}", best.values));
         let indices = match slot {
-            Some(i) => [-1.0, 0.0, 1.0].map(|k| best.values[i] + k * SPREAD).to_vec(),
+            Some(i) => [-SPREAD, SPREAD].map(|aside| best.values[i] + aside).to_vec(),
             None => vec![fixed],
         };
         let (first, end) = (indices[0], indices[indices.len() - 1]);
         let mut stage = Stage::new(evidence, unknown, material, indices);
-        let found = Look { evidence, pixels, bounds: &bounds, effort: &effort }.at(&mut stage, &best.values, &mut seeds);
+        let found = Look { evidence, pixels, parameters: unknown.parameters(), bounds: &bounds, effort: &effort }.at(
+            &mut stage,
+            &best.values,
+            &mut seeds,
+        );
         let inside = slot.is_none_or(|i| found.values[i] > first && found.values[i] < end);
         if inside || effort.late() || look == MOST_LOOKS {
             return Ok(found);
@@ -187,11 +187,11 @@ impl<'a> Blocks<'a> {
         Self { sheet, of, count: names.len() }
     }
 
-    /// The pixels that a look samples: at first a quarter of them.
-    fn sample(&self, look: usize) -> Vec<usize> {
+    /// A quarter of the pixels.
+    fn sample(&self) -> Vec<usize> {
         let counts = |i: &usize| {
             let (x, y) = self.sheet.place(self.sheet.numbers[*i]);
-            look > 0 || (x % 2 == 0 && y % 2 == 0)
+            x % 2 == 0 && y % 2 == 0
         };
         let some: Vec<usize> = (0..self.sheet.numbers.len()).filter(counts).collect();
         if some.is_empty() { (0..self.sheet.numbers.len()).collect() } else { some }

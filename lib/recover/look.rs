@@ -3,9 +3,11 @@
 use super::fit::{Valley, derivatives};
 use super::statistics::{Channels, Half, STEPS, Scores, Sheet, pictures, shares};
 use super::{Effort, Evidence, Recovery, Seeds};
+use crate::anneal::Parameter;
 use crate::sampling::mix64;
 use crate::transport::Basis;
 use rayon::prelude::*;
+use std::time::Instant;
 
 /// A model of the picture near some values of the parameters.
 pub trait Model: Sync {
@@ -17,11 +19,6 @@ pub trait Model: Sync {
 
     /// The coefficients of the columns of each channel for values of the parameters.
     fn coefficients(&self, values: &[f64]) -> [Vec<f64>; 3];
-
-    /// What a sample costs, in terms of the simplest model's.
-    fn cost(&self) -> f64 {
-        1.0
-    }
 
     /// The nearest values at which the model can be trusted.
     fn trusted(&self, values: &[f64]) -> Vec<f64>;
@@ -35,8 +32,9 @@ const SAMPLES: (f64, f64) = (4.0, 1024.0);
 const FIRST: f64 = 80_000.0;
 const EACH: (f64, f64) = (48.0, 64.0);
 
-/// By how much a round may add to all samples before it.
+/// By how much a round adds to all samples before it; less than the last is not worth a round.
 const GROWTH: (f64, f64) = (0.5, 2.0);
+const LEAST_GROWTH: f64 = 0.2;
 
 /// The most rounds; and how many samples of all pixels, in each half, are enough where no tolerance is asked for.
 const ROUNDS: usize = 12;
@@ -48,7 +46,9 @@ pub struct Look<'a> {
     pub evidence: &'a Evidence<'a>,
     /// The pixels that count.
     pub pixels: &'a [usize],
-    /// Bounds of the parameters.
+    /// The parameters.
+    pub parameters: &'a [Parameter],
+    /// Their bounds, as far as the model goes.
     pub bounds: &'a [(f64, f64)],
     /// When it is enough, and who is told what each round finds.
     pub effort: &'a Effort<'a>,
@@ -58,6 +58,7 @@ impl Look<'_> {
     /// Traces and fits, round by round, until what was found is enough, or lies where the model is not to be trusted. First more and more
     /// pixels are seen; then what one round finds says where the next samples are worth most.
     pub fn at(&self, model: &mut dyn Model, near: &[f64], seeds: &mut Seeds) -> Recovery {
+        let begin = Instant::now();
         let pixels = if self.effort.quick { self.pixels.to_vec() } else { scattered(self.pixels, self.evidence.film.width) };
         let all = pixels.len() as f64;
         let mut count = if self.effort.quick { all } else { (FIRST / EACH.0).floor().min(all) };
@@ -74,13 +75,19 @@ impl Look<'_> {
             let (found, shares) = self.fit(&sheet, model, &basis, &best);
             (self.effort.told)(&found);
             let strayed = model.trusted(&found.values) != found.values;
-            let spent = self.effort.tolerance.is_none() && each * count * model.cost() >= BUDGET;
-            if strayed || spent || round == ROUNDS || self.effort.contents(&found, before.as_ref()) {
+            let budget = if self.effort.tolerance.is_none() { BUDGET / each / count } else { f64::INFINITY };
+            let time = self.effort.until.map_or(f64::INFINITY, |until| {
+                until.saturating_duration_since(Instant::now()).as_secs_f64() / begin.elapsed().as_secs_f64()
+            });
+            // So many times as many samples as before may still be taken.
+            let most = GROWTH.1.min(budget - 1.0).min(time);
+            let contents = self.effort.contents(self.parameters, &found, before.as_ref());
+            if strayed || contents || round == ROUNDS || self.effort.quick || most < LEAST_GROWTH {
                 return found;
             }
             best.clone_from(&found.values);
             model.tune(&best, Some(&found.errors()));
-            let growth = (self.effort.lack(&found) - 1.0).clamp(GROWTH.0, GROWTH.1);
+            let growth = (self.effort.lack(self.parameters, &found) - 1.0).max(GROWTH.0).min(most);
             if count < all {
                 let more = (count * (1.0 + growth)).floor().min(all);
                 basis.append(trace(model, &pixels[count as usize..more as usize], each, seeds));

@@ -105,6 +105,8 @@ pub struct Rough {
     pub monomials: Monomials,
     /// What the coefficients of the four parts may be taken for where a path meets the unknown more often than [`ORDER`]; without, it ends.
     pub guess: Option<[Rgb; 4]>,
+    /// Whether a direction more is worth its cost at the first surface ([`Transport::control`]): where light hardly differs within the lobe.
+    pub control: bool,
     /// The nodes in lanes: inverses of the two squared roughnesses, and of the root of their product. Lanes without a node are 0.
     lanes: Vec<Lanes>,
     /// The proposals, likewise.
@@ -128,7 +130,7 @@ impl Rough {
     pub fn new(material: MaterialId, metal: bool, transmits: bool, nodes: Vec<Alpha>, proposals: Vec<Alpha>) -> Self {
         let monomials = Monomials::new(transmits, nodes.len());
         let (in_lanes, drawn) = (lanes(&nodes), lanes(&proposals));
-        Self { material, metal, transmits, nodes, proposals, monomials, guess: None, lanes: in_lanes, drawn }
+        Self { material, metal, transmits, nodes, proposals, monomials, guess: None, control: false, lanes: in_lanes, drawn }
     }
 
     /// Draws directions from these roughnesses from now on.
@@ -296,6 +298,26 @@ impl<'a, const L: usize> Transport for Tagging<'a, L> {
                 (Beta { terms: [term, None] }, density)
             }
         }
+    }
+
+    /// What the densities of the nodes' lobes were sampled with adds up to one only on the average. Where light is the same all over the lobe
+    /// this is all the noise there is, most of that in what depends on the roughness; the light of one direction more takes it away.
+    fn control(&self, beta: &Beta<L>, surface: &Surface, part: Part, us: &[[f64; 2]]) -> Option<Beta<L>> {
+        let Surface::Unknown { shape, unknown, .. } = surface else { return None };
+        if part != Part::SpecularReflection || !unknown.control {
+            return None;
+        }
+        let mut left: Nodes<L> = [f32x8::ONE; L];
+        for (u, &proposal) in us.iter().zip(&unknown.proposals) {
+            let h = shape.viewer() + lobe::sample_reflection(proposal, shape.viewer(), *u);
+            let (x, y) = ((h.x * h.x / (h.z * h.z)) as f32, (h.y * h.y / (h.z * h.z)) as f32);
+            let gaussian = |(u, v, area): (f32x8, f32x8, f32x8)| (-(u * x + v * y)).exp() * area;
+            let drawn: f32 = unknown.drawn.iter().map(|&lanes| gaussian(lanes).reduce_add()).sum();
+            for (left, &lanes) in left.iter_mut().zip(&unknown.lanes) {
+                *left -= gaussian(lanes) * (1.0 / drawn);
+            }
+        }
+        Some(Beta { terms: [self.met(beta, surface, part, |l| left[l]), None] })
     }
 
     fn ambient(&self, beta: &Beta<L>, surface: &Surface, side: usize) -> Beta<L> {
