@@ -42,13 +42,16 @@ pub struct Bounds {
 pub struct Unknown {
     document: Document,
     material: Primitive,
-    /// Its real arguments at the start of the search.
+    /// Its real arguments at the start of the search, then the exposures.
     start: Vec<f64>,
     parameters: Vec<Parameter>,
     groups: Vec<Vec<usize>>,
-    /// For each real argument the parameter that it takes its value from, if it is not fixed.
+    /// For each of these the parameter that it takes its value from, if it is not fixed.
     slots: Vec<Option<usize>>,
 }
+
+/// What the picture may be brighter by than the scene is: in all, and in each channel. No numbers of the material, but as unknown.
+pub const EXPOSURES: [&str; 4] = ["exposure", "exposure-red", "exposure-green", "exposure-blue"];
 
 /// The words that stand for the three colours in a list of parameters.
 const COLORS: (&str, [&str; 3]) = ("rgb", ["red", "green", "blue"]);
@@ -88,7 +91,9 @@ impl Unknown {
         for index in 0..material.reals.len() {
             ranges.push(usual(&material, index));
         }
-        let mut start = material.reals.clone();
+        // Exposures stand behind the arguments, and stay as they are unless something else is said.
+        let mut start = [&material.reals[..], &[1.0; EXPOSURES.len()]].concat();
+        ranges.resize(start.len(), None);
         let index = |name: &str| find(&material, name);
         let mut said = vec![false; start.len()];
         for bounds in &wishes.bounds {
@@ -100,7 +105,8 @@ impl Unknown {
             ranges[i] = Some((bounds.low, bounds.high));
             if !(bounds.low..=bounds.high).contains(&start[i]) {
                 let message = format!("{} starts outside its bounds {}:{}", bounds.name, Number(bounds.low), Number(bounds.high));
-                return Err(material.real_error(i, message + "; give a start as NAME=START:LOW:HIGH"));
+                let error = |text| if i < material.reals.len() { material.real_error(i, text) } else { material.error(text) };
+                return Err(error(message + "; give a start as NAME=START:LOW:HIGH"));
             }
         }
         // Tied arguments follow the first of them.
@@ -161,12 +167,27 @@ impl Unknown {
 
     /// The material's real arguments when the parameters have these values.
     pub fn reals(&self, values: &[f64]) -> Vec<f64> {
-        self.slots.iter().zip(&self.start).map(|(slot, start)| slot.map_or(*start, |k| values[k])).collect()
+        (0..self.material.reals.len()).map(|i| self.at(i, values)).collect()
+    }
+
+    fn at(&self, i: usize, values: &[f64]) -> f64 {
+        self.slots[i].map_or(self.start[i], |k| values[k])
+    }
+
+    /// By what red, green and blue of the picture are brighter than the scene is.
+    pub fn exposures(&self, values: &[f64]) -> [f64; 3] {
+        let [all, channels @ ..] = std::array::from_fn::<f64, 4, _>(|k| self.at(self.material.reals.len() + k, values));
+        channels.map(|channel| all * channel)
+    }
+
+    /// Whether an exposure is unknown: nothing that a file of a material could tell.
+    pub fn is_exposed(&self) -> bool {
+        self.slots[self.material.reals.len()..].iter().any(Option::is_some)
     }
 
     /// For each real argument, the place in [`Self::parameters`] of the parameter that it takes its value from, if it is free.
     pub fn slots(&self) -> &[Option<usize>] {
-        &self.slots
+        &self.slots[..self.material.reals.len()]
     }
 
     /// The file with these values of the parameters and nothing else changed.
@@ -213,7 +234,8 @@ fn choose<'a>(document: &'a Document, wanted: Option<&str>) -> Result<&'a Primit
 
 /// The argument called `name`.
 fn find(material: &Primitive, name: &str) -> Result<usize> {
-    let place = material.type_of().and_then(|t| t.parameter(name)).filter(|&i| i < material.reals.len());
+    let exposure = EXPOSURES.iter().position(|e| *e == name).map(|k| material.reals.len() + k);
+    let place = exposure.or_else(|| material.type_of().and_then(|t| t.parameter(name)).filter(|&i| i < material.reals.len()));
     place.ok_or_else(|| {
         let names: Vec<String> = (0..material.reals.len()).map(|i| self::name(material, i)).collect();
         material.error(format!("{} `{}` has no parameter `{name}`; it has {}", material.kind, material.name, names.join(" ")))
@@ -222,6 +244,9 @@ fn find(material: &Primitive, name: &str) -> Result<usize> {
 
 /// What argument `index` is called.
 fn name(material: &Primitive, index: usize) -> String {
+    if let Some(exposure) = index.checked_sub(material.reals.len()) {
+        return EXPOSURES[exposure].into();
+    }
     let named = material.type_of().and_then(|t| t.parameters.get(index));
     named.map_or_else(|| format!("a{}", index + 1), |name| (*name).to_string())
 }

@@ -120,7 +120,8 @@ pub struct UnknownOptions {
     pub kind: Option<String>,
 
     /// Start and bounds of a parameter: red green blue spec rough urough vrough trans tspec ior hartmann, or a1 … for the real
-    /// arguments in order. May be repeated; START may be left out
+    /// arguments in order. May be repeated; START may be left out. exposure=1:.5:2 lets the picture be brighter than the scene by an
+    /// unknown factor; exposure-red, exposure-green and exposure-blue let each channel, as an unknown white balance does
     #[arg(long, value_name = "NAME=START:LOW:HIGH")]
     pub param: Vec<Bounds>,
 

@@ -122,11 +122,14 @@ impl<'a> Photo<'a> {
     pub fn views(&self, values: &[f64]) -> Result<Views> {
         let (setting, reals) = (self.setting(), self.unknown.reals(values));
         let pixels = self.evidence().pixels(&self.unknown, self.material)?;
+        let exposures = self.unknown.exposures(values);
+        let mut rendering = setting.picture(&setting.world(&reals)?, &self.rules, &self.film, None);
+        rendering.pixels.iter_mut().for_each(|p| (0..3).for_each(|c| p[c] *= exposures[c] as f32));
         let mut counts = vec![0.0; self.target.pixels.len()];
         pixels.iter().for_each(|&n| counts[n] = self.mask.as_ref().map_or(1.0, |mask| mask[n]));
         Ok(Views {
             target: self.target.clone(),
-            rendering: setting.picture(&setting.world(&reals)?, &self.rules, &self.film, None),
+            rendering,
             counts,
             lamp: setting.under_a_lamp(&reals)?,
             there: setting.in_its_place(&reals, &self.world, self.material, &self.film, &pixels)?,
@@ -189,6 +192,7 @@ impl Objective for Direct<'_, '_> {
     fn chi2(&mut self, values: &[f64], _: usize) -> Result<f64> {
         let photo = self.photo;
         let world = photo.setting().world(&photo.unknown.reals(values))?;
+        let exposure = Rgb::from(photo.unknown.exposures(values));
         let lens = photo.film.lens();
         let rendering = render(
             &Task {
@@ -209,9 +213,9 @@ impl Objective for Direct<'_, '_> {
         // The noise of the rendering adds its variance to chi-squared.
         let chi2 = rendering.pixels.iter().zip(&self.pixels).map(|(pixel, &number)| {
             let target = Rgb::from(photo.target.pixels[number].map(f64::from));
-            let off = target - pixel.mean();
+            let off = target - exposure * pixel.mean();
             let weight = photo.mask.as_ref().map_or(1.0, |mask| mask[number] as f64);
-            weight * (off * off - pixel.variance().0).element_sum()
+            weight * (off * off - exposure * exposure * pixel.variance().0).element_sum()
         });
         Ok(chi2.sum())
     }

@@ -6,7 +6,7 @@
 
 use super::fit::Point;
 use super::look::{Look, Model};
-use super::model::cubic;
+use super::model::{cubic, exposed};
 use super::statistics::Sheet;
 use super::{Effort, Evidence, Recovery, Seeds};
 use crate::anneal::{Annealer, Options};
@@ -53,7 +53,7 @@ impl<'a> Stage<'a> {
     /// The weights of the columns of each channel in the basis of one index.
     fn columns(&self, values: &[f64]) -> [Vec<f64>; 3] {
         let a = self.unknown.reals(values);
-        std::array::from_fn(|c| cubic(&self.roots, a[c].clamp(0.0, 1.0).sqrt()))
+        exposed(std::array::from_fn(|c| cubic(&self.roots, a[c].clamp(0.0, 1.0).sqrt())), self.unknown.exposures(values))
     }
 
     fn index(&self, values: &[f64]) -> f64 {

@@ -7,7 +7,7 @@
 use super::statistics::COMMON;
 use crate::anneal::Parameter;
 use crate::anneal::linear::Symmetric;
-use crate::unknown::Unknown;
+use crate::unknown::{EXPOSURES, Unknown};
 
 /// What is known of the errors of some values.
 pub struct Known<'a> {
@@ -77,7 +77,8 @@ pub fn judge(unknown: &Unknown, values: &[f64], known: &Known) -> Judgement {
         let goes =
             |i: &usize| *i != pivot && standings[*i] == Standing::Determined && !alone(*i) && correlations.at(*i, pivot).abs() >= TOGETHER;
         let partners: Vec<usize> = if alone(pivot) { vec![] } else { (0..n).filter(goes).collect() };
-        let help = remedy(unknown, values, pivot);
+        let exposure = |i: &&usize| parameters[**i].name.starts_with(EXPOSURES[0]);
+        let help = remedy(unknown, values, partners.iter().find(exposure).copied().unwrap_or(pivot));
         if partners.is_empty() {
             standings[pivot] = Standing::Open;
             let part = whole.at(pivot, pivot).sqrt();
@@ -136,6 +137,9 @@ fn remedy(unknown: &Unknown, values: &[f64], i: usize) -> &'static str {
         "trans" | "tspec" => "a small lamp or something with sharp edges seen through it would tell",
         "ior" => "something with sharp edges seen through it, or a small lamp, would tell",
         "red" | "green" | "blue" => "light of that colour where the camera sees the object, or through it, would tell",
+        name if EXPOSURES.contains(&name) => {
+            "a grey card in the picture would tell the exposure, and something that is known of the material would"
+        }
         _ => "another light or another view may tell",
     }
 }

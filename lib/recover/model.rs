@@ -59,6 +59,12 @@ pub fn coefficients(kind: Kind, monomials: &Monomials, grid: &Grid, a: &[f64]) -
     })
 }
 
+/// The coefficients that make a picture brighter than the scene is, by these factors of red, green and blue.
+pub fn exposed(mut coefficients: [Vec<f64>; 3], exposures: [f64; 3]) -> [Vec<f64>; 3] {
+    coefficients.iter_mut().zip(exposures).for_each(|(x, exposure)| x.iter_mut().for_each(|x| *x *= exposure));
+    coefficients
+}
+
 /// The weights of the nodes at a roughness.
 fn nodes(kind: Kind, grid: &Grid, roughness: &[f64]) -> Vec<f64> {
     let at = |axis: usize| {

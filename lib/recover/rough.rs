@@ -3,7 +3,7 @@
 use super::fit::{Point, Problem, Valley};
 use super::gram::Gram;
 use super::look::{Look, Model, scattered};
-use super::model::{Grid, Kind, alphas, coefficients, parts};
+use super::model::{Grid, Kind, alphas, coefficients, exposed, parts};
 use super::statistics::Sheet;
 use super::{Effort, Evidence, Recovery, Seeds};
 use crate::anneal::{Annealer, Options};
@@ -102,7 +102,8 @@ impl Model for Stage<'_> {
 
     fn coefficients(&self, values: &[f64]) -> [Vec<f64>; 3] {
         let transport::Unknown::Rough(rough) = &self.what else { unreachable!() };
-        coefficients(self.kind, &rough.monomials, &self.grid, &self.unknown.reals(values))
+        let scene = coefficients(self.kind, &rough.monomials, &self.grid, &self.unknown.reals(values));
+        exposed(scene, self.unknown.exposures(values))
     }
 
     fn trusted(&self, values: &[f64]) -> Vec<f64> {

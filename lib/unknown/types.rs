@@ -1,6 +1,6 @@
 //! The same unknown taken for another type of material.
 
-use super::{COLORS, Unknown, Wishes};
+use super::{COLORS, EXPOSURES, Unknown, Wishes};
 use crate::error::{Error, Result};
 use crate::rad::{Document, Type};
 
@@ -38,6 +38,9 @@ pub fn retyped(kind: &str, document: &Document, wishes: &Wishes) -> Result<(Docu
     }
     // Only the names of parameters mean the same in both.
     let name = |word: &str| -> Result<Option<String>> {
+        if EXPOSURES.contains(&word) {
+            return Ok(Some(word.to_string()));
+        }
         let name = from.parameter(word).and_then(|i| from.parameters.get(i)).map_or(word, |name| *name);
         let of = |t: &Type, most: usize| t.parameters.iter().take(most).any(|p| *p == name);
         let somewhere = name == COLORS.0 || TYPES.iter().any(|(t, _)| Type::named(t).is_some_and(|t| of(t, usize::MAX)));
@@ -53,7 +56,8 @@ pub fn retyped(kind: &str, document: &Document, wishes: &Wishes) -> Result<(Docu
         let Some(name) = name(&wish.name)? else { continue };
         // What the file says of another type is no more than a hint.
         let hint = named(&name).map_or(0.5 * (wish.low + wish.high), |value| value.clamp(wish.low, wish.high));
-        let start = wish.start.or((from.name != to.name).then_some(hint));
+        let other = from.name != to.name && !EXPOSURES.contains(&&name[..]);
+        let start = wish.start.or(other.then_some(hint));
         bounds.push(super::Bounds { name, start, ..wish.clone() });
     }
     let wishes = Wishes {

@@ -11,6 +11,7 @@ use inverad::cli::search::{Search, Watch};
 use inverad::cli::{self, Answer, Console, Input, Outcome, Output};
 use inverad::error::Error;
 use inverad::recover::{Effort, answer, recover};
+use inverad::unknown::Unknown;
 use std::path::Path;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
@@ -114,12 +115,18 @@ fn anneal(
 /// The search for the unknown of a file; where the state keeps it, as far as it got.
 fn begin(start: &str, arguments: &Arguments, state: Option<&Path>) -> Outcome<Search> {
     let (document, wishes) = opened(start, arguments)?;
+    if !arguments.photo.direct && Unknown::new(document.clone(), &wishes)?.is_exposed() {
+        return Err(Error::new(NO_EXPOSURE).into());
+    }
     let search = Search::new(&document.source.name, document.bytes(), wishes, arguments.options()?)?;
     Ok(match state {
         Some(state) => search.taken_up(state, arguments.search.steps)?,
         None => search,
     })
 }
+
+const NO_EXPOSURE: &str =
+    "an exposure is no number of START.rad: a command cannot use it; let it fit the exposure, as imgdiff --fit-exposure does";
 
 fn kept(state: &Path) -> Outcome<Search> {
     let begin = || Error::new(format!("{0}: no such file; begin with anneal propose {0} START.rad", state.display()));

@@ -1,0 +1,86 @@
+//! An exposure, or a white balance, as one more unknown of anneal; and what it leaves open.
+
+use inverad::picture::Picture;
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+const SCENE: &str = "void brightfunc wave 2 1+.8*sin(9*Dx)*sin(7*Dz+Dy) . 0 0\nwave glow sky 0 0 4 1 1.1 1.2 0\nsky source sky 0 0 4 0 0 1 360\n\
+                     void light bulb 0 0 3 200 200 200\nbulb sphere lamp 0 0 4 -3 -4 4 .3\nit sphere s 0 0 4 0 0 0 1\n";
+
+fn run(program: &str, directory: &Path, arguments: &str) -> Output {
+    Command::new(program).current_dir(directory).args(arguments.split_whitespace()).output().unwrap()
+}
+
+/// What is said of a picture of something made of `material` that is brighter than the scene by `factors`.
+fn told(material: &str, factors: [f32; 3], options: &str) -> String {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path();
+    let kind = material.split(' ').next().unwrap();
+    fs::write(path.join("start.rad"), format!("void {kind} it 0 0 5 .5 .5 .5 .1 .1\n")).unwrap();
+    fs::write(path.join("true.rad"), format!("void {material}\n")).unwrap();
+    fs::write(path.join("scene.rad"), SCENE).unwrap();
+    let view = "-vp 0 -5 1 -vd 0 1 -.2 -vh 26 -vv 26 -x 40 -y 40 --spp 300 --seed 5 -ab 1 -o target.exr true.rad scene.rad";
+    assert!(run(env!("CARGO_BIN_EXE_rtrace-rs"), path, view).status.success());
+    let mut picture = Picture::read(&fs::read(path.join("target.exr")).unwrap(), "target.exr").unwrap();
+    picture.pixels.iter_mut().for_each(|p| (0..3).for_each(|c| p[c] *= factors[c]));
+    fs::write(path.join("target.exr"), picture.write_exr().unwrap()).unwrap();
+    // Pixels that the ball covers wholly.
+    let cover = view.replace("target.exr", "mask.exr --coverage it");
+    assert!(run(env!("CARGO_BIN_EXE_rtrace-rs"), path, &cover).status.success());
+    let mut mask = Picture::read(&fs::read(path.join("mask.exr")).unwrap(), "mask.exr").unwrap();
+    mask.pixels.iter_mut().flatten().for_each(|v| *v = (*v > 0.999) as u8 as f32);
+    fs::write(path.join("mask.exr"), mask.write_exr().unwrap()).unwrap();
+    let done = run(env!("CARGO_BIN_EXE_anneal"), path, &format!("-ab 1 --scene scene.rad --target target.exr {options} start.rad"));
+    assert_eq!(done.status.code(), Some(0), "{}", String::from_utf8_lossy(&done.stderr));
+    let out = String::from_utf8(done.stdout).unwrap();
+    println!("{out}");
+    out
+}
+
+/// Fails unless each of these values was found, with an error that covers how far it is off and is below `most`.
+fn found(out: &str, values: &[(&str, f64)], most: f64) {
+    for (name, truth) in values {
+        let line = out.lines().find(|line| line.starts_with(&format!("# {name} "))).unwrap();
+        let words: Vec<&str> = line.split(' ').collect();
+        let (value, error): (f64, f64) = (words[2].parse().unwrap(), words[4].parse().unwrap());
+        assert!((value - truth).abs() < 4.0 * error && error < most, "{line}, not {truth}");
+    }
+}
+
+#[test]
+fn with_a_known_specularity_the_exposure_is_found() {
+    let out = told("plastic it 0 0 5 .6 .4 .2 .1 .15", [1.3; 3], "--param exposure=1:.5:2 --fix spec");
+    found(&out, &[("exposure", 1.3), ("red", 0.6), ("green", 0.4), ("blue", 0.2), ("rough", 0.15)], 0.02);
+    assert!(!out.contains("not determined"), "{out}");
+    // It is no number of the file.
+    assert_eq!(out.lines().last().unwrap().split_whitespace().count(), 11, "{out}");
+}
+
+#[test]
+fn so_is_the_white_balance() {
+    let balance = "--param exposure-red=1:.5:2 --param exposure-green=1:.5:2 --param exposure-blue=1:.5:2 --fix spec";
+    let out = told("plastic it 0 0 5 .6 .4 .2 .1 .15", [1.3, 1.0, 0.8], balance);
+    found(&out, &[("exposure-red", 1.3), ("exposure-green", 1.0), ("exposure-blue", 0.8), ("red", 0.6), ("blue", 0.2)], 0.03);
+}
+
+#[test]
+fn what_it_leaves_open_is_said() {
+    // Where no edge shows what is behind it, a plastic twice as bright is one that is lit by half as much, and a metal too.
+    for material in ["plastic it 0 0 5 .4 .3 .2 .1 .15", "metal it 0 0 5 .5 .4 .3 .7 .15"] {
+        let out = told(material, [1.3; 3], "--param exposure=1:.5:2 --mask mask.exr");
+        let doubt =
+            out.lines().find(|line| line.starts_with("# warning: ") && line.contains("not determined") && line.contains("exposure"));
+        let doubt = doubt.unwrap();
+        assert!(doubt.contains("red") && doubt.contains("only together") && doubt.contains("a grey card"), "{doubt}");
+    }
+}
+
+#[test]
+fn a_command_cannot_use_it() {
+    let directory = tempfile::tempdir().unwrap();
+    fs::write(directory.path().join("start.rad"), "void metal m 0 0 5 .5 .5 .5 .5 .1\n").unwrap();
+    let done = run(env!("CARGO_BIN_EXE_anneal"), directory.path(), "--exec true --param exposure=1:.5:2 start.rad");
+    assert_eq!(done.status.code(), Some(2));
+    assert!(String::from_utf8(done.stderr).unwrap().contains("a command cannot use it; let it fit the exposure"));
+}
