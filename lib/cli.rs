@@ -19,6 +19,7 @@ pub mod auto;
 pub mod exec;
 pub mod film;
 pub mod photo;
+pub mod predict;
 pub mod rays;
 pub mod report;
 pub mod search;

@@ -405,7 +405,7 @@ fn annotation(span: Span) -> Option<Annotation> {
     }
     let mut words = words.into_iter();
     // Its first word stands right there, and is no matter for quotes.
-    let word = words.next().filter(|word| text.starts_with(word.as_str()))?;
+    let word = words.next().filter(|word| !word.is_empty() && text.starts_with(word.as_str()))?;
     Some(Annotation { word, arguments: words.collect(), span, before: 0 })
 }
 

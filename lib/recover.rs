@@ -10,6 +10,7 @@ pub mod fit;
 pub mod gram;
 mod look;
 pub mod model;
+pub mod predict;
 mod rough;
 mod statistics;
 pub mod types;
@@ -26,6 +27,7 @@ use crate::scene::MaterialId;
 use crate::unknown::Unknown;
 use crate::world::World;
 use doubts::Known;
+use model::Kind;
 use rayon::prelude::*;
 use std::time::Instant;
 
@@ -178,16 +180,21 @@ impl Evidence<'_> {
     }
 }
 
+/// Errors unless the numbers of the unknown's type can be recovered.
+fn supported(unknown: &Unknown) -> Result<()> {
+    let material = unknown.material();
+    if Kind::named(&material.kind).is_some() || ["dielectric", "glass"].contains(&material.kind.as_str()) {
+        return Ok(());
+    }
+    Err(material.error(format!("the numbers of {} cannot be recovered; use plastic, metal, trans, dielectric or glass", material.kind)))
+}
+
 /// Recovers an unknown material of the scene. `tell` hears how far it is.
 pub fn recover(evidence: &Evidence, unknown: &Unknown, material: MaterialId, effort: Effort, tell: &dyn Fn(&str)) -> Result<Recovery> {
+    supported(unknown)?;
     let pixels = evidence.pixels(unknown, material)?;
-    match unknown.material().kind.as_str() {
-        "plastic" | "metal" | "trans" | "plastic2" | "metal2" | "trans2" => {
-            rough::recover(evidence, unknown, material, &pixels, effort, tell)
-        }
-        "dielectric" | "glass" => clear::recover(evidence, unknown, material, &pixels, effort, tell),
-        kind => Err(unknown
-            .material()
-            .error(format!("the numbers of {kind} cannot be recovered; use plastic, metal, trans, dielectric or glass"))),
+    match Kind::named(&unknown.material().kind) {
+        Some(_) => rough::recover(evidence, unknown, material, &pixels, effort, tell),
+        None => clear::recover(evidence, unknown, material, &pixels, effort, tell),
     }
 }

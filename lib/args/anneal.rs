@@ -78,6 +78,19 @@ pub struct Photo {
     #[arg(long, value_name = "PICTURE", requires = "target")]
     pub mask: Option<String>,
 
+    /// No picture yet: the standard errors that one would give if the unknown were START.rad's, what it would not tell, and what would
+    /// help. Assumed is noise of 2 % in each pixel
+    #[arg(long, requires = "scene", conflicts_with_all = ["target", "exec"])]
+    pub predict: bool,
+
+    /// Largest width of the picture to predict, in pixels [default: 160]
+    #[arg(long = "x", value_name = "N")]
+    pub x: Option<usize>,
+
+    /// Largest height of the picture to predict, in pixels [default: 160]
+    #[arg(long = "y", value_name = "N")]
+    pub y: Option<usize>,
+
     /// Render anew for every candidate, instead of once for all
     #[arg(long, requires = "target")]
     pub direct: bool,
@@ -199,6 +212,9 @@ impl AsRef<Common> for Arguments {
 impl Arguments {
     /// What is to be done.
     pub fn job(&self) -> Result<Job> {
+        if !self.photo.predict && (self.photo.x.is_some() || self.photo.y.is_some()) {
+            return Err(Error::new("-x and -y are the size of a picture that --predict supposes; a --target has its own"));
+        }
         let words: Vec<&str> = self.words.iter().map(String::as_str).collect();
         match words[..] {
             ["propose", state] => Ok(Job::Propose(state.into(), None)),

@@ -34,7 +34,7 @@ pub fn opened(start: &str, arguments: &Arguments) -> Outcome<(Document, Wishes)>
 pub fn take<'a>(start: &str, target: &str, effort: Effort, arguments: &Arguments, console: &'a Console) -> Outcome<Taken<'a>> {
     if arguments.unknown.kind.as_deref() != Some(AUTO) {
         let (document, wishes) = opened(start, arguments)?;
-        let photo = Photo::new(&Unknown::new(document, &wishes)?, target, arguments, console)?;
+        let photo = Photo::new(&Unknown::new(document, &wishes)?, Some(target), arguments, console)?;
         return Ok(Taken { photo, title: vec![], doubts: vec![] });
     }
     let (name, bytes) = Input::default().read(start)?;
@@ -50,7 +50,7 @@ pub fn take<'a>(start: &str, target: &str, effort: Effort, arguments: &Arguments
     let Some(first) = unknowns.first() else {
         return Err(Error::new("--type auto: no type can be tried; give bounds with --param NAME=START:LOW:HIGH").into());
     };
-    let mut photo = Photo::new(first, target, arguments, console)?;
+    let mut photo = Photo::new(first, Some(target), arguments, console)?;
     let sample = Sample::of(&photo.evidence(), &photo.evidence().pixels(first, photo.material())?);
     let effort = Effort { quick: true, ..effort };
     let mut trials = Vec::new();

@@ -9,8 +9,8 @@ use crate::color::Rgb;
 use crate::error::{Error, Result};
 use crate::expand::Flat;
 use crate::metric::{self, Named};
-use crate::picture::Picture;
-use crate::rad::{Class, Primitive};
+use crate::picture::{Header, Picture};
+use crate::rad::{Class, Document, Number, Primitive};
 use crate::recover::Evidence;
 use crate::render::{Budget, Film, Task, render};
 use crate::report::{Setting, Views};
@@ -18,6 +18,7 @@ use crate::rules::Rules;
 use crate::scene::{MaterialId, Scene};
 use crate::unknown::Unknown;
 use crate::world::World;
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 /// A photograph and all that is known of it.
@@ -36,23 +37,33 @@ pub struct Photo<'a> {
     seed: u64,
 }
 
+/// The most pixels in a row or column of a picture that is predicted.
+const PREDICTED: usize = 160;
+
 impl<'a> Photo<'a> {
-    /// The photograph `target` of the scene that the arguments name, with the unknown in it.
-    pub fn new(unknown: &Unknown, target: &str, arguments: &Arguments, console: &'a Console) -> Outcome<Self> {
+    /// The photograph `target` of the scene that the arguments name, with the unknown in it; without one, what could be photographed there.
+    pub fn new(unknown: &Unknown, target: Option<&str>, arguments: &Arguments, console: &'a Console) -> Outcome<Self> {
         let photo = &arguments.photo;
         let input = Input::default();
         let read = |name: &str| -> Result<(String, Picture)> {
             let (name, bytes) = input.read(name)?;
             Ok((name.clone(), Picture::read(&bytes, &name)?))
         };
-        let (name, target) = read(target)?;
         let mut view = scene::view(&photo.view)?;
-        if photo.view.words.is_empty() && !view.apply_header(target.header.lines.iter().map(String::as_str)) {
-            return Err(
-                Error::new(format!("no view, and {name} does not say its own; give the view it was taken from with -vf FILE")).into()
-            );
+        let taken = target.map(read).transpose()?;
+        let mut said = |target: &Picture| view.apply_header(target.header.lines.iter().map(String::as_str));
+        if photo.view.words.is_empty() && !taken.as_ref().is_some_and(|(_, target)| said(target)) {
+            let picture = taken.map_or_else(String::new, |(name, _)| format!(", and {name} does not say its own"));
+            return Err(Error::new(format!("no view{picture}; give the view it is taken from with -vf FILE")).into());
         }
-        let film = Film::new(&view, target.width, target.height, 0.0)?;
+        let film = match &taken {
+            Some((_, target)) => Film::new(&view, target.width, target.height, 0.0)?,
+            None => Film::new(&view, photo.x.unwrap_or(PREDICTED), photo.y.unwrap_or(PREDICTED), 1.0)?,
+        };
+        let (name, target) = taken.unwrap_or_else(|| {
+            let (width, height) = (film.width, film.height);
+            (String::new(), Picture { width, height, header: Header::default(), pixels: vec![[0.0; 3]; width * height] })
+        });
         let target = target.into_radiance();
         let mask = photo.mask.as_deref().map(read).transpose()?;
         let mask = mask.map(|(mask_name, mask)| {
@@ -122,6 +133,23 @@ impl<'a> Photo<'a> {
         })
     }
 
+    /// The scene with one more lamp, small and far, over the camera's shoulder, that lights as much as light of `radiance` from all around.
+    pub fn with_a_lamp(&self, radiance: f64) -> Result<World> {
+        let ([forward, right, up], _) = self.film.camera.axes();
+        let to = 0.4 * up - 0.4 * right - forward;
+        let solid = 2.0 * PI * (1.0 - (0.5 * LAMP.to_radians()).cos());
+        let bright = Number((radiance.max(0.0) * PI / solid).max(f64::MIN_POSITIVE));
+        let lamp = format!(
+            "void light {ADDED} 0 0 3 {bright} {bright} {bright}\n{ADDED} source {ADDED} 0 0 4 {} {} {} {LAMP}\n",
+            to.x, to.y, to.z
+        );
+        let mut flat = self.flat.clone();
+        flat.primitives.extend(Document::read("the lamp", lamp.into_bytes())?.primitives().cloned());
+        let mut world = World::new(Scene::new(&flat, &self.disk, false)?, &self.rules)?;
+        world.unknown = Some(self.material);
+        Ok(world)
+    }
+
     /// Which material of the scene is the unknown.
     pub fn material(&self) -> MaterialId {
         self.material
@@ -136,6 +164,10 @@ impl<'a> Photo<'a> {
         Ok(())
     }
 }
+
+/// What a lamp that is added is called, and its width in degrees.
+const ADDED: &str = "predicted_lamp";
+const LAMP: f64 = 2.0;
 
 /// Renders the pixels that count anew for every candidate.
 pub struct Direct<'p, 'a> {

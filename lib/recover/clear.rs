@@ -86,6 +86,19 @@ impl Model for Stage<'_> {
     }
 }
 
+/// A model near the starting values.
+pub fn near_start<'a>(evidence: &'a Evidence<'a>, unknown: &'a Unknown, material: MaterialId) -> impl Model + 'a {
+    let start: Vec<f64> = unknown.parameters().iter().map(|p| p.start).collect();
+    let index = unknown.reals(&start).get(3).copied().unwrap_or(GLASS_INDEX);
+    let free = unknown.slots().get(3).is_some_and(Option::is_some);
+    Stage::new(evidence, unknown, material, if free { close(index) } else { vec![index] })
+}
+
+/// Indices to look at the pixels with.
+fn close(index: f64) -> Vec<f64> {
+    [-SPREAD, SPREAD].map(|aside| index + aside).to_vec()
+}
+
 /// Recovers the numbers.
 pub fn recover(
     evidence: &Evidence,
@@ -144,7 +157,7 @@ pub fn recover(
     for look in 1.. {
         tell(&format!("look {look}: {:.4?}", best.values));
         let indices = match slot {
-            Some(i) => [-SPREAD, SPREAD].map(|aside| best.values[i] + aside).to_vec(),
+            Some(i) => close(best.values[i]),
             None => vec![fixed],
         };
         let (first, end) = (indices[0], indices[indices.len() - 1]);

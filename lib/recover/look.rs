@@ -111,12 +111,7 @@ impl Look<'_> {
         // The bottom of the whole χ², which is safe to find though its place is biased by the noise of the rendering.
         let whole = Whole { model, basis, target: &sheet.target, weights: &weights, bounds: self.bounds };
         let mut values = whole.polish(near, &vec![true; near.len()]).values;
-        let scores = |values: &[f64]| {
-            let halves = pictures(basis, &model.coefficients(values));
-            let derivatives = whole.derivatives(values);
-            let curvature = whole.curvature(&derivatives);
-            Scores::new(sheet, &weights, halves, derivatives, curvature, self.bounds)
-        };
+        let scores = |values: &[f64]| scores(sheet, &weights, model, basis, values, self.bounds);
         // From there to where the scores vanish, which has no such bias.
         let mut now = scores(&values);
         let mut size = f64::INFINITY;
@@ -140,6 +135,21 @@ impl Look<'_> {
         let losses = now.losses(&sheet.relative());
         (Recovery { values, covariance, own, common: now.common(), chi2: now.chi2(), pixels: sheet.numbers.len(), losses }, next)
     }
+}
+
+/// What pixels of some weights say about values.
+pub fn scores<'a>(
+    sheet: &'a Sheet<'a>,
+    weights: &'a Channels,
+    model: &dyn Model,
+    basis: &Basis,
+    values: &[f64],
+    bounds: &[(f64, f64)],
+) -> Scores<'a> {
+    let whole = Whole { model, basis, target: &sheet.target, weights, bounds };
+    let derivatives = whole.derivatives(values);
+    let curvature = whole.curvature(&derivatives);
+    Scores::new(sheet, weights, pictures(basis, &model.coefficients(values)), derivatives, curvature, bounds)
 }
 
 /// Pixels in an order in which each first part of them is spread over the picture, in squares that keep neighbours together.

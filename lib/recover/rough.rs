@@ -39,6 +39,13 @@ const KNOWN: f64 = 0.05;
 /// A roughness below which one more direction is worth its cost: at .01 it makes errors three times smaller, at .12 no smaller.
 const SHARP: f64 = 0.04;
 
+impl Kind {
+    /// How many nodes a closer look has along an axis, and their ratio.
+    fn nodes(self) -> (usize, f64) {
+        if self.anisotropic { ANISOTROPIC_NODES } else { NODES }
+    }
+}
+
 /// What a look works with.
 struct Stage<'a> {
     evidence: &'a Evidence<'a>,
@@ -117,6 +124,14 @@ fn around(middle: f64, (count, ratio): (usize, f64)) -> Vec<f64> {
     (0..count).map(|i| middle * ratio.powf(i as f64 - (count - 1) as f64 / 2.0)).collect()
 }
 
+/// A model near the starting values; `None` if the unknown is no rough material.
+pub fn near_start<'a>(evidence: &'a Evidence<'a>, unknown: &'a Unknown, material: MaterialId) -> Option<impl Model + 'a> {
+    let kind = Kind::named(&unknown.material().kind)?;
+    let values: Vec<f64> = unknown.parameters().iter().map(|p| p.start).collect();
+    let grid = roughness(kind, &unknown.reals(&values)).map(|middle| around(middle, kind.nodes()));
+    Some(Stage::new(evidence, unknown, material, kind, grid, vec![]))
+}
+
 /// Recovers the numbers.
 pub fn recover(
     evidence: &Evidence,
@@ -128,7 +143,7 @@ pub fn recover(
 ) -> Result<Recovery> {
     let name = unknown.material().kind.as_str();
     let kind = Kind::named(name).ok_or_else(|| unknown.material().error(format!("{name} is not a rough material")))?;
-    let nodes = if kind.anisotropic { ANISOTROPIC_NODES } else { NODES };
+    let nodes = kind.nodes();
     let bounds: Vec<(f64, f64)> = unknown.parameters().iter().map(|p| (p.low, p.high)).collect();
     let mut seeds = Seeds::new(effort.seed);
 

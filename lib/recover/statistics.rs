@@ -295,13 +295,31 @@ impl<'a> Scores<'a> {
     /// Standard errors take the errors of pixels for independent, so that thousands of pixels can tell a value by changes of a thousandth.
     /// Those of a shape, of a measured light, of the formula of a lobe are not, and no number of pixels averages them out.
     pub fn common(&self) -> Symmetric {
+        let value = |p: usize, c: usize| 0.5 * (self.halves[0][p][c] + self.halves[1][p][c]).abs();
+        let (squares, sizes) = self.moved(|p, c| COMMON * value(p, c) * self.weights[p][c] as f64);
+        let correlations = squares.correlations();
+        Symmetric::of(sizes.len(), |i, j| if i == j { sizes[i].powi(2) } else { sizes[i] * sizes[j] * correlations.at(i, j) })
+    }
+
+    /// The covariance of the values that is to be expected of a picture whose noise is what the weights say.
+    pub fn expected(&self) -> Symmetric {
+        let mut all = self.moved(|p, c| (self.weights[p][c] as f64).sqrt()).0;
+        if let Some(inverse) = &self.inverse {
+            let known = |i: usize, j: usize| (0..self.prior.len()).map(|k| inverse[i][k] * inverse[j][k] * self.prior[k]).sum::<f64>();
+            all = Symmetric::of(all.size(), |i, j| all.at(i, j) + known(i, j));
+        }
+        all
+    }
+
+    /// What errors of that weight in each pixel and channel do to the values: the sum of their products, and of their sizes.
+    fn moved(&self, error: impl Fn(usize, usize) -> f64) -> (Symmetric, Vec<f64>) {
         let n = self.derivatives.len();
-        let Some(inverse) = &self.inverse else { return Symmetric::diagonal(&vec![f64::INFINITY; n]) };
+        let Some(inverse) = &self.inverse else { return (Symmetric::diagonal(&vec![f64::INFINITY; n]), vec![f64::INFINITY; n]) };
         let d = &self.derivatives;
         let (mut squares, mut sizes) = (Symmetric::diagonal(&vec![0.0; n]), vec![0.0; n]);
         for p in 0..self.weights.len() {
             for c in 0..3 {
-                let error = COMMON * 0.5 * (self.halves[0][p][c] + self.halves[1][p][c]).abs() * self.weights[p][c] as f64;
+                let error = error(p, c);
                 let instrument: Vec<f64> = (0..n).map(|j| self.trust[j][p] * 0.5 * (d[j][0][p][c] + d[j][1][p][c]) * error).collect();
                 let moved: Vec<f64> = inverse.iter().map(|row| row.iter().zip(&instrument).map(|(a, i)| a * i).sum()).collect();
                 for i in 0..n {
@@ -310,8 +328,7 @@ impl<'a> Scores<'a> {
                 }
             }
         }
-        let correlations = squares.correlations();
-        Symmetric::of(n, |i, j| if i == j { sizes[i].powi(2) } else { sizes[i] * sizes[j] * correlations.at(i, j) })
+        (squares, sizes)
     }
 }
 

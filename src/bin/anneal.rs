@@ -5,6 +5,7 @@ use inverad::args::anneal::{Arguments, Job};
 use inverad::cli::auto::{Taken, opened, take};
 use inverad::cli::exec::{Exec, last_number};
 use inverad::cli::photo::{Direct, Photo};
+use inverad::cli::predict::predict;
 use inverad::cli::report::{self, Trail};
 use inverad::cli::search::{Search, Watch};
 use inverad::cli::{self, Answer, Console, Input, Outcome, Output};
@@ -61,13 +62,13 @@ fn search(start: &str, arguments: &Arguments, console: &Console) -> Outcome<Answ
         (None, Some(target)) if photo.direct => {
             let search = begin(start, arguments, arguments.search.state.as_deref())?;
             let unknown = search.unknown().clone();
-            let photo = Photo::new(&unknown, target, arguments, console)?;
+            let photo = Photo::new(&unknown, Some(target), arguments, console)?;
             anneal(search, &mut Direct::new(&photo)?, Some(&photo), arguments, console)
         }
         (None, Some(target)) => look(start, target, arguments, console),
+        (None, None) if photo.predict => predict(start, arguments, console),
         (None, None) => {
-            let message =
-                "what shows the unknown? give --scene SCENE -vf VIEW --target PICTURE, or --exec 'COMMAND that prints chi-squared'";
+            let message = "what shows the unknown? give --scene SCENE -vf VIEW --target PICTURE (or --predict), or --exec 'COMMAND that prints chi-squared'";
             Err(Error::new(message).into())
         }
     }

@@ -1,0 +1,80 @@
+//! How sure a photograph would make the values, before any is taken: from the scene, the view, the light, and the noise that a photograph has.
+
+use super::doubts::Known;
+use super::look::{Model, scores};
+use super::statistics::{COMMON, Channels, Sheet, pictures};
+use super::{Evidence, clear, rough, supported};
+use crate::anneal::linear::Symmetric;
+use crate::error::Result;
+use crate::picture::{Header, Picture};
+use crate::scene::MaterialId;
+use crate::unknown::Unknown;
+
+/// The noise of a photograph: the part of its value in each pixel and channel, independent of all others, and the part of the mean value that
+/// it has where nothing shines.
+const NOISE: f64 = 0.02;
+const DARK: f64 = 0.001;
+
+/// Samples of a pixel in each half, and of all pixels.
+const EACH: (f64, f64) = (4.0, 128.0);
+const SAMPLES: f64 = 400_000.0;
+
+/// What a photograph would tell.
+pub struct Prediction {
+    covariance: Symmetric,
+    common: Symmetric,
+    /// How many pixels would count.
+    pub pixels: usize,
+    /// The mean radiance that they would show.
+    pub level: f64,
+}
+
+impl Prediction {
+    /// What would be known of the errors of the values.
+    pub fn known(&self) -> Known<'_> {
+        Known { covariance: self.covariance.clone(), common: Some(&self.common) }
+    }
+}
+
+/// What is assumed of the photograph.
+pub fn assumed() -> String {
+    let percent = |x: f64| 100.0 * x;
+    format!(
+        "noise of {} % of its value in each pixel and channel, and of {} % of the mean; errors that pixels have in common up to {} %",
+        percent(NOISE),
+        percent(DARK),
+        percent(COMMON)
+    )
+}
+
+/// What a photograph would tell of an unknown that has its starting values. The target of `evidence` does not matter.
+pub fn predict(evidence: &Evidence, unknown: &Unknown, material: MaterialId, seed: u64) -> Result<Prediction> {
+    supported(unknown)?;
+    let pixels = evidence.pixels(unknown, material)?;
+    match rough::near_start(evidence, unknown, material) {
+        Some(mut model) => by(&mut model, evidence, unknown, &pixels, seed),
+        None => by(&mut clear::near_start(evidence, unknown, material), evidence, unknown, &pixels, seed),
+    }
+}
+
+fn by(model: &mut dyn Model, evidence: &Evidence, unknown: &Unknown, pixels: &[usize], seed: u64) -> Result<Prediction> {
+    let values: Vec<f64> = unknown.parameters().iter().map(|p| p.start).collect();
+    let bounds: Vec<(f64, f64)> = unknown.parameters().iter().map(|p| (p.low, p.high)).collect();
+    model.tune(&values, None);
+    let each = (SAMPLES / (pixels.len() as f64)).clamp(EACH.0, EACH.1);
+    let basis = model.trace(pixels, &vec![each as u32; pixels.len()], seed);
+    let halves = pictures(&basis, &model.coefficients(&values));
+    // What would be photographed is what is rendered.
+    let (width, height) = (evidence.film.width, evidence.film.height);
+    let mut target = Picture { width, height, header: Header::default(), pixels: vec![[0.0; 3]; width * height] };
+    for (i, &n) in pixels.iter().enumerate() {
+        target.pixels[n] = std::array::from_fn(|c| (0.5 * (halves[0][i][c] + halves[1][i][c])).max(0.0) as f32);
+    }
+    let evidence = Evidence { target: &target, ..*evidence };
+    let sheet = Sheet::new(&evidence, pixels);
+    let dark = DARK * sheet.level;
+    let weights: Channels =
+        sheet.target.iter().map(|t| t.map(|v| ((NOISE * v as f64).powi(2) + dark * dark).max(f64::MIN_POSITIVE).recip() as f32)).collect();
+    let scores = scores(&sheet, &weights, model, &basis, &values, &bounds);
+    Ok(Prediction { covariance: scores.expected(), common: scores.common(), pixels: pixels.len(), level: sheet.level })
+}
