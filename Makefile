@@ -3,9 +3,10 @@
 # make faults  kills, soaks and starves the programs (tests/faults.rs)
 # make raycast casts rays beside Embree (examples/raycast)
 # make tradeoff  measures error against time (examples/tradeoff)
+# make trials  recovers materials that are known, and counts how often the errors are right (examples/trials)
 # make test    runs all tests
 
-.PHONY: demo extremes faults raycast test tradeoff
+.PHONY: demo extremes faults raycast test tradeoff trials
 
 demo:
 	cargo build --locked --release --bin rtrace-rs --bin imgdiff --bin anneal
@@ -26,3 +27,7 @@ tradeoff:
 
 test:
 	cargo test --locked
+
+trials:
+	cargo build --locked --release --bin rtrace-rs --bin anneal
+	$(MAKE) -C examples/trials
