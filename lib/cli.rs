@@ -18,6 +18,7 @@ use std::time::{Duration, Instant};
 pub mod auto;
 pub mod exec;
 pub mod film;
+pub mod kept;
 pub mod photo;
 pub mod predict;
 pub mod rays;

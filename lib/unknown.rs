@@ -180,9 +180,14 @@ impl Unknown {
         channels.map(|channel| all * channel)
     }
 
-    /// Whether an exposure is unknown: nothing that a file of a material could tell.
-    pub fn is_exposed(&self) -> bool {
-        self.slots[self.material.reals.len()..].iter().any(Option::is_some)
+    /// Errors if an exposure is unknown, which the file does not tell.
+    pub fn told_by_file(&self) -> Result<()> {
+        if self.slots[self.material.reals.len()..].iter().all(Option::is_none) {
+            return Ok(());
+        }
+        let message =
+            "an exposure is no number of a file, so a command cannot use it; let it fit the exposure, as imgdiff --fit-exposure does";
+        Err(Error::new(message))
     }
 
     /// For each real argument, the place in [`Self::parameters`] of the parameter that it takes its value from, if it is free.

@@ -82,5 +82,5 @@ fn a_command_cannot_use_it() {
     fs::write(directory.path().join("start.rad"), "void metal m 0 0 5 .5 .5 .5 .5 .1\n").unwrap();
     let done = run(env!("CARGO_BIN_EXE_anneal"), directory.path(), "--exec true --param exposure=1:.5:2 start.rad");
     assert_eq!(done.status.code(), Some(2));
-    assert!(String::from_utf8(done.stderr).unwrap().contains("a command cannot use it; let it fit the exposure"));
+    assert!(String::from_utf8(done.stderr).unwrap().contains("so a command cannot use it; let it fit the exposure"));
 }

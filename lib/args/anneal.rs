@@ -175,11 +175,12 @@ pub struct SearchOptions {
     #[arg(long)]
     pub no_polish: bool,
 
-    /// Keep the search in FILE, and take it up from there if FILE exists: killed at any moment, it goes on to the same result
+    /// Keep the search in FILE, and take it up from there if FILE exists: killed at any moment, it goes on to the same result. A recovery
+    /// with --target, which takes seconds, is kept when it is done
     #[arg(long, value_name = "FILE")]
     pub state: Option<PathBuf>,
 
-    /// Write each evaluation to FILE, one JSON object a line
+    /// Write each evaluation to FILE, or each round with --target, one JSON object a line
     #[arg(long, value_name = "FILE.jsonl")]
     pub log: Option<PathBuf>,
 

@@ -1,12 +1,14 @@
 //! The unknown of a file as the type that `--type` says, or as the one that the picture supports best.
 
+use super::kept::{Asked, Kept};
 use super::photo::Photo;
 use super::{Console, Input, Outcome};
 use crate::args::anneal::{AUTO, Arguments};
-use crate::error::Error;
+use crate::error::{Error, Result};
 use crate::rad::Document;
 use crate::recover::types::{Sample, Trial, choose};
-use crate::recover::{Effort, Evidence, recover};
+use crate::recover::{Effort, Evidence, Recovery, recover};
+use crate::report::Moment;
 use crate::unknown::{TYPES, Unknown, Wishes, retyped};
 
 /// A photograph whose unknown has been taken for a type.
@@ -17,6 +19,10 @@ pub struct Taken<'a> {
     pub title: Vec<String>,
     /// What there is to doubt about it.
     pub doubts: Vec<String>,
+    /// What was asked.
+    pub asked: Asked,
+    /// What was found before, and how, where `--state` keeps it.
+    pub found: Option<(Recovery, Vec<Moment>)>,
 }
 
 /// START.rad, its material taken for the type that was named, and what is wished of it.
@@ -35,7 +41,9 @@ pub fn take<'a>(start: &str, target: &str, effort: Effort, arguments: &Arguments
     if arguments.unknown.kind.as_deref() != Some(AUTO) {
         let (document, wishes) = opened(start, arguments)?;
         let photo = Photo::new(&Unknown::new(document, &wishes)?, Some(target), arguments, console)?;
-        return Ok(Taken { photo, title: vec![], doubts: vec![] });
+        let asked = Asked::new(start, arguments, photo.read());
+        let found = kept(&asked, arguments)?.map(Kept::found);
+        return Ok(Taken { photo, title: vec![], doubts: vec![], asked, found });
     }
     let (name, bytes) = Input::default().read(start)?;
     let (document, wishes) = (Document::read(&name, bytes)?, arguments.wishes());
@@ -51,6 +59,13 @@ pub fn take<'a>(start: &str, target: &str, effort: Effort, arguments: &Arguments
         return Err(Error::new("--type auto: no type can be tried; give bounds with --param NAME=START:LOW:HIGH").into());
     };
     let mut photo = Photo::new(first, Some(target), arguments, console)?;
+    let asked = Asked::new(start, arguments, photo.read());
+    if let Some(kept) = kept(&asked, arguments)? {
+        let unknown = unknowns.into_iter().find(|u| u.material().kind == kept.kind);
+        photo.take_for(unknown.ok_or_else(|| Error::new("--state keeps a recovery of another type"))?)?;
+        let (title, doubts) = (kept.title.clone(), kept.doubts.clone());
+        return Ok(Taken { photo, title, doubts, asked, found: Some(kept.found()) });
+    }
     let sample = Sample::of(&photo.evidence(), &photo.evidence().pixels(first, photo.material())?);
     let effort = Effort { quick: true, ..effort };
     let mut trials = Vec::new();
@@ -62,5 +77,10 @@ pub fn take<'a>(start: &str, target: &str, effort: Effort, arguments: &Arguments
     }
     let verdict = choose(&trials, &sample);
     photo.take_for(unknowns.swap_remove(verdict.chosen))?;
-    Ok(Taken { photo, title: vec![verdict.title(&trials)], doubts: verdict.doubts(&trials) })
+    Ok(Taken { photo, title: vec![verdict.title(&trials)], doubts: verdict.doubts(&trials), asked, found: None })
+}
+
+/// What `--state` keeps of what is asked.
+fn kept(asked: &Asked, arguments: &Arguments) -> Result<Option<Kept>> {
+    arguments.search.state.as_deref().map_or(Ok(None), |path| Kept::load(path, asked))
 }

@@ -6,10 +6,11 @@ use super::stream::{all, file, plain};
 use crate::args::Commands;
 use crate::error::{Error, Result};
 use crate::resolve::Resolve;
+use crate::sampling::mix64;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 
 /// Where RADIANCE looks when RAYPATH is not set.
 const DEFAULT_RAYPATH: &str = ":/usr/local/lib/ray";
@@ -25,6 +26,8 @@ pub struct Disk<'a> {
     /// Hears what went wrong with a command whose output is used all the same.
     console: &'a Console,
     started: AtomicUsize,
+    /// A number that any change of what was read changes.
+    read: AtomicU64,
 }
 
 impl<'a> Disk<'a> {
@@ -36,30 +39,56 @@ impl<'a> Disk<'a> {
             Some(commands) => commands == Commands::Allow,
             None => std::env::var_os("RAD_COMMANDS").is_some_and(|value| value == "allow"),
         };
-        Self { raypath: std::env::split_paths(&raypath).collect(), allowed, shipped, console, started: AtomicUsize::new(0) }
+        Self {
+            raypath: std::env::split_paths(&raypath).collect(),
+            allowed,
+            shipped,
+            console,
+            started: AtomicUsize::new(0),
+            read: AtomicU64::new(0),
+        }
     }
+
+    /// A number that any change of what was read so far changes, whatever the order.
+    pub fn read(&self) -> u64 {
+        self.read.load(Ordering::Relaxed)
+    }
+
+    /// Counts something that was read.
+    pub fn count(&self, bytes: &[u8]) {
+        self.read.fetch_add(number(bytes), Ordering::Relaxed);
+    }
+
+    fn counted(&self, bytes: Result<Vec<u8>>) -> Result<Vec<u8>> {
+        bytes.inspect(|bytes| self.count(bytes))
+    }
+}
+
+/// A number for some bytes (Fowler, Noll and Vo, FNV-1a), well mixed.
+fn number(bytes: &[u8]) -> u64 {
+    mix64(bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3)))
 }
 
 impl Resolve for Disk<'_> {
     fn scene(&self, path: &str) -> Result<Vec<u8>> {
-        file(path)
+        self.counted(file(path))
     }
 
     fn library(&self, name: &str) -> Result<Vec<u8>> {
         if name.starts_with(['/', '.']) || Path::new(name).is_absolute() {
-            return file(name);
+            return self.counted(file(name));
         }
         if let Some(rest) = name.strip_prefix('~') {
             let Some(home) = std::env::var_os("HOME").filter(|_| rest.starts_with('/')) else {
                 return Err(Error::new(format!("{name}: only your own home directory is known by ~; write the whole path")));
             };
-            return file(Path::new(&home).join(rest.trim_start_matches('/')));
+            return self.counted(file(Path::new(&home).join(rest.trim_start_matches('/'))));
         }
         // As in RADIANCE, an empty entry is the current directory, and what cannot be opened in one place is looked for in the next.
         if let Some(found) =
             self.raypath.iter().map(|directory| directory.join(name)).find(|path| path.is_file() && std::fs::File::open(path).is_ok())
         {
-            return file(found);
+            return self.counted(file(found));
         }
         if let Some(text) = (self.shipped)(name) {
             return Ok(text.into());
@@ -93,6 +122,7 @@ impl Resolve for Disk<'_> {
         if !status.success() {
             self.console.warn(&format!("command {command}: {status}; what it printed is used"));
         }
+        self.count(&output);
         Ok(output)
     }
 }
@@ -104,7 +134,7 @@ mod tests {
     fn disk<'a>(directories: &[&Path], commands: Commands, console: &'a Console) -> Disk<'a> {
         let shipped = |name: &str| (name == "own.cal").then_some("own = 1;");
         let raypath = directories.iter().map(|p| p.to_path_buf()).collect();
-        Disk { raypath, allowed: commands == Commands::Allow, shipped, console, started: AtomicUsize::new(0) }
+        Disk { raypath, allowed: commands == Commands::Allow, shipped, console, started: AtomicUsize::new(0), read: AtomicU64::new(0) }
     }
 
     fn silent() -> Console {

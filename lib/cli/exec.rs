@@ -25,6 +25,7 @@ pub struct Exec<'a> {
 impl<'a> Exec<'a> {
     /// The shell command `command`, in which `{}` stands for the candidate's file, as `$MATERIAL` does.
     pub fn new(command: &str, unknown: &'a Unknown) -> Result<Self> {
+        unknown.told_by_file()?;
         let directory = tempfile::Builder::new().prefix("anneal-").tempdir();
         let directory =
             directory.map_err(|e| Error::new(format!("no temporary directory: {}; set TMPDIR to a place for one", plain(&e))))?;

@@ -35,6 +35,7 @@ pub struct Photo<'a> {
     target: Picture,
     mask: Option<Vec<f32>>,
     seed: u64,
+    read: u64,
 }
 
 /// The most pixels in a row or column of a picture that is predicted.
@@ -45,8 +46,10 @@ impl<'a> Photo<'a> {
     pub fn new(unknown: &Unknown, target: Option<&str>, arguments: &Arguments, console: &'a Console) -> Outcome<Self> {
         let photo = &arguments.photo;
         let input = Input::default();
+        let disk = Disk::new(arguments.scene_options.commands, cal::shipped, console);
         let read = |name: &str| -> Result<(String, Picture)> {
             let (name, bytes) = input.read(name)?;
+            disk.count(&bytes);
             Ok((name.clone(), Picture::read(&bytes, &name)?))
         };
         let mut view = scene::view(&photo.view)?;
@@ -60,6 +63,7 @@ impl<'a> Photo<'a> {
             Some((_, target)) => Film::new(&view, target.width, target.height, 0.0)?,
             None => Film::new(&view, photo.x.unwrap_or(PREDICTED), photo.y.unwrap_or(PREDICTED), 1.0)?,
         };
+        disk.count(view.header_line().as_bytes());
         let (name, target) = taken.unwrap_or_else(|| {
             let (width, height) = (film.width, film.height);
             (String::new(), Picture { width, height, header: Header::default(), pixels: vec![[0.0; 3]; width * height] })
@@ -70,9 +74,9 @@ impl<'a> Photo<'a> {
             metric::weights(Named { name: &mask_name, picture: &mask.into_radiance() }, Named { name: &name, picture: &target })
         });
 
-        let disk = Disk::new(arguments.scene_options.commands, cal::shipped, console);
         let mut documents = vec![unknown.source().clone()];
         documents.extend(scene::documents(&photo.scene, &disk)?);
+        documents.iter().for_each(|document| disk.count(&document.bytes()));
         let mut flat = scene::flat_of(documents, &arguments.scene_options, &disk)?;
         // The scene's own definition of the unknown does not count.
         let sought = &unknown.material().name;
@@ -89,6 +93,7 @@ impl<'a> Photo<'a> {
         let mut world = World::new(scene, &rules)?;
         world.unknown = Some(material);
         Ok(Self {
+            read: disk.read(),
             unknown: unknown.clone(),
             flat,
             disk,
@@ -106,6 +111,11 @@ impl<'a> Photo<'a> {
     /// What there is to go by.
     pub fn evidence(&self) -> Evidence<'_> {
         Evidence { world: &self.world, rules: &self.rules, film: &self.film, target: &self.target, mask: self.mask.as_deref() }
+    }
+
+    /// A number that any change of the files that it was made of changes.
+    pub fn read(&self) -> u64 {
+        self.read
     }
 
     /// What is unknown in it.

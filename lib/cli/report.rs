@@ -1,7 +1,7 @@
 //! The page that tells of a recovery or of a search, written where the user wants it.
 
 use super::photo::Photo;
-use super::search::Search;
+use super::search::{Log, Search};
 use super::{Console, Outcome, Output};
 use crate::error::Error;
 use crate::rad::decode;
@@ -13,22 +13,55 @@ use std::path::Path;
 use std::sync::{Mutex, MutexGuard};
 
 /// What a recovery told on its way.
-pub struct Trail(Mutex<Vec<Moment>>);
+pub struct Trail {
+    moments: Mutex<Vec<Moment>>,
+    /// Where each round is written, and what went wrong there.
+    log: Option<Mutex<(Log, Outcome<()>)>>,
+    names: Vec<String>,
+}
 
 impl Trail {
-    /// The trail of a recovery that begins at the start of an unknown.
-    pub fn new(unknown: &Unknown) -> Self {
-        let values = unknown.parameters().iter().map(|p| p.start).collect();
-        Self(Mutex::new(vec![Moment { values, errors: None, chi2: None }]))
+    /// The trail of a recovery that begins at the start of an unknown, or went through some `rounds` already. Each round is a line of `log`.
+    pub fn new(unknown: &Unknown, rounds: Option<Vec<Moment>>, log: Option<&Path>) -> Outcome<Self> {
+        let start = || vec![Moment { values: unknown.parameters().iter().map(|p| p.start).collect(), errors: None, chi2: None }];
+        let log = log.map(|path| Log::open(path, 0)).transpose()?.map(|log| Mutex::new((log, Ok(()))));
+        let names = unknown.parameters().iter().map(|p| p.name.clone()).collect();
+        let trail = Self { moments: Mutex::new(rounds.unwrap_or_else(start)), log, names };
+        let moments = trail.moments();
+        moments.iter().enumerate().skip(1).for_each(|(round, moment)| trail.write(round, moment));
+        drop(moments);
+        Ok(trail)
     }
 
     /// Keeps what a round found.
     pub fn hear(&self, found: &Recovery) {
-        self.moments().push(Moment { values: found.values.clone(), errors: Some(found.errors()), chi2: Some(found.chi2) });
+        let moment = Moment { values: found.values.clone(), errors: Some(found.errors()), chi2: Some(found.chi2) };
+        let mut moments = self.moments();
+        self.write(moments.len(), &moment);
+        moments.push(moment);
     }
 
-    fn moments(&self) -> MutexGuard<'_, Vec<Moment>> {
-        self.0.lock().unwrap_or_else(|poisoned| poisoned.into_inner())
+    /// The rounds so far, after the start.
+    pub fn moments(&self) -> MutexGuard<'_, Vec<Moment>> {
+        self.moments.lock().unwrap_or_else(|poisoned| poisoned.into_inner())
+    }
+
+    fn write(&self, round: usize, moment: &Moment) {
+        let Some(log) = &self.log else { return };
+        let mut log = log.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        let named =
+            |numbers: &[f64]| self.names.iter().cloned().zip(numbers.iter().map(|x| (*x).into())).collect::<serde_json::Map<_, _>>();
+        let line = serde_json::json!({
+            "round": round, "chi2": moment.chi2, "values": named(&moment.values), "errors": moment.errors.as_deref().map(named),
+        });
+        if log.1.is_ok() {
+            log.1 = log.0.write(&format!("{line}\n"));
+        }
+    }
+
+    /// Errors if a round could not be written.
+    pub fn written(self) -> Outcome<()> {
+        self.log.map_or(Ok(()), |log| log.into_inner().unwrap_or_else(|poisoned| poisoned.into_inner()).1)
     }
 }
 

@@ -119,6 +119,7 @@ impl Search {
 
     /// The file with the values of the proposal; `None` when the search is over.
     pub fn proposal(&self) -> Result<Option<Vec<u8>>> {
+        self.unknown.told_by_file()?;
         self.kept.annealer.propose().map(|values| Ok(self.unknown.document(values)?.bytes())).transpose()
     }
 
@@ -199,15 +200,15 @@ impl Search {
     }
 }
 
-/// The log of a search.
-struct Log {
+/// The log of a search or of a recovery.
+pub struct Log {
     file: File,
     name: String,
 }
 
 impl Log {
     /// Opens the log after its first `lines` lines; what follows them was not kept in the state.
-    fn open(path: &Path, lines: usize) -> Outcome<Self> {
+    pub fn open(path: &Path, lines: usize) -> Outcome<Self> {
         let name = path.display().to_string();
         let failed = |e: std::io::Error| Error::new(format!("{name}: {}", plain(&e)));
         let mut log = File::options().create(true).write(true).truncate(false).open(path).map_err(failed)?;
@@ -220,7 +221,8 @@ impl Log {
         Ok(Self { file: log, name })
     }
 
-    fn write(&mut self, line: &str) -> Outcome<()> {
+    /// Writes a line, whose end it holds.
+    pub fn write(&mut self, line: &str) -> Outcome<()> {
         self.file.write_all(line.as_bytes()).map_err(|e| Error::new(format!("{}: {}", self.name, plain(&e))).into())
     }
 }

@@ -4,6 +4,7 @@ use inverad::anneal::Objective;
 use inverad::args::anneal::{Arguments, Job};
 use inverad::cli::auto::{Taken, opened, take};
 use inverad::cli::exec::{Exec, last_number};
+use inverad::cli::kept::Kept;
 use inverad::cli::photo::{Direct, Photo};
 use inverad::cli::predict::predict;
 use inverad::cli::report::{self, Trail};
@@ -11,7 +12,6 @@ use inverad::cli::search::{Search, Watch};
 use inverad::cli::{self, Answer, Console, Input, Outcome, Output};
 use inverad::error::Error;
 use inverad::recover::{Effort, answer, recover};
-use inverad::unknown::Unknown;
 use std::path::Path;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
@@ -80,11 +80,21 @@ fn look(start: &str, target: &str, arguments: &Arguments, console: &Console) -> 
     let options = arguments.options()?;
     let until = arguments.search.time.map(|seconds| Instant::now() + Duration::from_secs_f64(seconds.min(1e9)));
     let effort = Effort { seed: options.seed, until, tolerance: options.tolerance, quick: false, told: &|_| {} };
-    let Taken { photo, mut title, mut doubts } = take(start, target, effort, arguments, console)?;
+    let Taken { photo, mut title, mut doubts, asked, found } = take(start, target, effort, arguments, console)?;
     let unknown = photo.unknown();
-    let trail = Trail::new(unknown);
+    let (found, rounds) = found.unzip();
+    let trail = Trail::new(unknown, rounds, arguments.search.log.as_deref())?;
     let effort = Effort { told: &|found| trail.hear(found), ..effort };
-    let found = recover(&photo.evidence(), unknown, photo.material(), effort, &|so_far| console.progress(|| so_far.into()))?;
+    let found = match found {
+        Some(found) => found,
+        None => {
+            let found = recover(&photo.evidence(), unknown, photo.material(), effort, &|so_far| console.progress(|| so_far.into()))?;
+            if let Some(path) = &arguments.search.state {
+                Kept::save(path, asked, &unknown.material().kind, &title, &doubts, &found, &trail)?;
+            }
+            found
+        }
+    };
     let answer = answer::Answer::new(unknown, &found.values, Some(&found.known()));
     title.push(format!("chi2 {} over {} pixels", answer::six(found.chi2), found.pixels));
     Output::whole(arguments.common.output.as_deref(), &answer.file(&title)?)?;
@@ -93,6 +103,7 @@ fn look(start: &str, target: &str, arguments: &Arguments, console: &Console) -> 
     if let Some(path) = &arguments.search.report {
         report::of_recovery(path, &found, &answer, &photo, &trail, console)?;
     }
+    trail.written()?;
     Ok(if options.tolerance.is_none_or(|t| found.errors().iter().all(|e| *e <= t)) { Answer::Yes } else { Answer::No })
 }
 
@@ -115,18 +126,12 @@ fn anneal(
 /// The search for the unknown of a file; where the state keeps it, as far as it got.
 fn begin(start: &str, arguments: &Arguments, state: Option<&Path>) -> Outcome<Search> {
     let (document, wishes) = opened(start, arguments)?;
-    if !arguments.photo.direct && Unknown::new(document.clone(), &wishes)?.is_exposed() {
-        return Err(Error::new(NO_EXPOSURE).into());
-    }
     let search = Search::new(&document.source.name, document.bytes(), wishes, arguments.options()?)?;
     Ok(match state {
         Some(state) => search.taken_up(state, arguments.search.steps)?,
         None => search,
     })
 }
-
-const NO_EXPOSURE: &str =
-    "an exposure is no number of START.rad: a command cannot use it; let it fit the exposure, as imgdiff --fit-exposure does";
 
 fn kept(state: &Path) -> Outcome<Search> {
     let begin = || Error::new(format!("{0}: no such file; begin with anneal propose {0} START.rad", state.display()));

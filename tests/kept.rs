@@ -1,0 +1,98 @@
+//! anneal --state and --log with a photograph: nothing is lost, and nothing is taken for what it is not.
+
+#![cfg(unix)]
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+use tempfile::TempDir;
+
+const SCENE: &str = "void light bulb 0 0 3 200 200 200\nbulb sphere lamp 0 0 4 -3 -4 4 .3\nvoid glow even 0 0 4 1 1 1 0\n\
+                     even source sky 0 0 4 0 0 1 360\nit sphere s 0 0 4 0 0 0 1\n";
+const ASKED: &str = "-ab 1 --scene scene.rad --target target.hdr --state state --log log.jsonl";
+
+/// A directory with a photograph in it, and the scene.
+fn photographed() -> TempDir {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path();
+    fs::write(path.join("start.rad"), "void plastic it 0 0 5 .5 .5 .5 .1 .1\n").unwrap();
+    fs::write(path.join("true.rad"), "void plastic it 0 0 5 .6 .4 .2 .1 .15\n").unwrap();
+    fs::write(path.join("scene.rad"), SCENE).unwrap();
+    let view = "-vp 0 -5 1 -vd 0 1 -.2 -vh 26 -vv 26 -x 40 -y 40 --spp 100 -ab 1 -o target.hdr true.rad scene.rad";
+    let words = view.split(' ').collect::<Vec<_>>();
+    assert!(Command::new(env!("CARGO_BIN_EXE_rtrace-rs")).current_dir(path).args(words).status().unwrap().success());
+    directory
+}
+
+fn anneal(directory: &Path, arguments: &str) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_anneal"));
+    command.current_dir(directory).args(arguments.split(' ')).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    command
+}
+
+/// What is printed and logged when it ends well, and how long that took.
+fn done(directory: &Path, arguments: &str) -> (String, String, Duration) {
+    let begin = Instant::now();
+    let done = anneal(directory, arguments).output().unwrap();
+    assert_eq!(done.status.code(), Some(0), "{}", String::from_utf8_lossy(&done.stderr));
+    (String::from_utf8(done.stdout).unwrap(), fs::read_to_string(directory.join("log.jsonl")).unwrap(), begin.elapsed())
+}
+
+fn trouble(directory: &Path, arguments: &str) -> String {
+    let done = anneal(directory, arguments).output().unwrap();
+    assert_eq!((done.status.code(), done.stdout.len()), (Some(2), 0));
+    String::from_utf8(done.stderr).unwrap()
+}
+
+#[test]
+fn a_killed_recovery_ends_at_the_same_bytes_and_a_finished_one_is_not_done_again() {
+    let directory = photographed();
+    let path = directory.path();
+    let (whole, log, long) = done(path, &format!("{ASKED} start.rad"));
+    fs::remove_file(path.join("state")).unwrap();
+    // SIGKILL: the program cannot do anything about it.
+    for share in [0.2, 0.5, 0.8] {
+        let mut child = anneal(path, &format!("{ASKED} start.rad")).spawn().unwrap();
+        sleep(long.mul_f64(share));
+        child.kill().unwrap();
+        child.wait().unwrap();
+    }
+    for _ in 0..2 {
+        let (again, lines, _) = done(path, &format!("{ASKED} start.rad"));
+        assert_eq!((again, lines), (whole.clone(), log.clone()));
+    }
+    // No light is traced for an answer that is kept.
+    let (kept, _, quick) = done(path, &format!("{ASKED} start.rad"));
+    assert!(kept == whole && quick < long / 2, "{quick:?}, at first {long:?}");
+    // Each round is a line.
+    let lines: Vec<serde_json::Value> = log.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    for (i, line) in lines.iter().enumerate() {
+        assert_eq!(line["round"].as_u64(), Some(i as u64 + 1));
+        assert!(line["chi2"].is_f64() && line["values"]["rough"].is_f64() && line["errors"]["spec"].is_f64(), "{line}");
+    }
+    assert!(!lines.is_empty());
+}
+
+#[test]
+fn a_state_is_not_taken_for_another_recovery() {
+    let directory = photographed();
+    let path = directory.path();
+    done(path, &format!("{ASKED} start.rad"));
+    assert!(trouble(path, &format!("{ASKED} --fix rough start.rad")).contains("state: it keeps a recovery with other options; remove it"));
+    assert!(trouble(path, &format!("{ASKED} --seed 1 start.rad")).contains("other options"));
+    fs::write(path.join("scene.rad"), SCENE.replace("200", "201")).unwrap();
+    assert!(trouble(path, &format!("{ASKED} start.rad")).contains("state: it keeps a recovery from other files"));
+    fs::write(path.join("state"), "{}").unwrap();
+    assert!(trouble(path, &format!("{ASKED} start.rad")).contains("state: not a recovery that anneal keeps"));
+}
+
+#[test]
+fn the_type_that_was_chosen_is_kept_too() {
+    let directory = photographed();
+    let asked = format!("{ASKED} --type auto start.rad");
+    let (first, ..) = done(directory.path(), &asked);
+    assert!(first.starts_with("# type plastic"), "{first}");
+    assert_eq!(done(directory.path(), &asked).0, first);
+}
