@@ -23,7 +23,7 @@ SAMPLES = ["4", "16", "64", "256", "1024"]
 RPICT = [f"-ab 2 -aa 0 -ad {ad} -as 0 -ss {ss} -st 0 -lr 8 -lw 1e-4" for ad, ss in [(16, 1), (64, 2), (256, 4), (1024, 16), (4096, 64)]]
 RPICT += ["-ab 2 -aa .2 -ar 64 -ad 256 -as 64 -ss 4 -st 0 -lr 8", "-ab 2 -aa .1 -ar 128 -ad 512 -as 128 -ss 8 -st 0 -lr 8", "-ab 2"]
 MITSUBA_SAMPLES = [4, 16, 64, 256, 1024]
-TIMES = [".2", ".5", "1", "2"]
+TIMES = [".5", "1", "2", "4", "8"]
 LONGEST = 30
 
 
