@@ -121,7 +121,7 @@ impl Effort<'_> {
 /// of itself, down to the last.
 const NEAR: f64 = 0.0012;
 const NEAR_INDEX: f64 = 0.0003;
-const NEAR_ROUGHNESS: f64 = 0.015;
+const NEAR_ROUGHNESS: f64 = 0.016;
 const NEAREST_ROUGHNESS: f64 = 0.0001;
 
 /// Or what the picture allows: the part of a variance that the rendering may make.
