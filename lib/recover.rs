@@ -75,7 +75,7 @@ pub struct Recovery {
     pub chi2: f64,
     /// How many pixels count.
     pub pixels: usize,
-    /// How far each of them is off, relatively: for comparing one type of material with another.
+    /// How far each of them is off, relatively: for comparing one type of material with another; empty if that was not the wish.
     pub losses: Vec<f64>,
 }
 
@@ -132,16 +132,14 @@ const GAIN: f64 = 0.8;
 /// A seed for every tracing.
 struct Seeds {
     state: u64,
-    used: usize,
 }
 
 impl Seeds {
     fn new(seed: u64) -> Self {
-        Self { state: seed, used: 0 }
+        Self { state: seed }
     }
 
     fn next(&mut self) -> u64 {
-        self.used += 1;
         self.state = mix64(self.state.wrapping_add(0x9e37_79b9_7f4a_7c15));
         self.state
     }
@@ -194,7 +192,7 @@ pub fn recover(evidence: &Evidence, unknown: &Unknown, material: MaterialId, eff
     supported(unknown)?;
     let pixels = evidence.pixels(unknown, material)?;
     match Kind::named(&unknown.material().kind) {
-        Some(_) => rough::recover(evidence, unknown, material, &pixels, effort, tell),
+        Some(kind) => rough::recover(evidence, unknown, material, kind, &pixels, effort, tell),
         None => clear::recover(evidence, unknown, material, &pixels, effort, tell),
     }
 }

@@ -150,6 +150,16 @@ impl Unknown {
         &self.parameters
     }
 
+    /// What each parameter starts with.
+    pub fn start(&self) -> Vec<f64> {
+        self.parameters.iter().map(|p| p.start).collect()
+    }
+
+    /// The bounds of each parameter.
+    pub fn bounds(&self) -> Vec<(f64, f64)> {
+        self.parameters.iter().map(|p| (p.low, p.high)).collect()
+    }
+
     /// The parameters that move together, by their places in [`Self::parameters`].
     pub fn groups(&self) -> &[Vec<usize>] {
         &self.groups

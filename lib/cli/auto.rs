@@ -25,10 +25,15 @@ pub struct Taken<'a> {
     pub found: Option<(Recovery, Vec<Moment>)>,
 }
 
+/// START.rad as it is, and what is wished of its material.
+fn read(start: &str, arguments: &Arguments) -> Outcome<(Document, Wishes)> {
+    let (name, bytes) = Input::default().read(start)?;
+    Ok((Document::read(&name, bytes)?, arguments.wishes()))
+}
+
 /// START.rad, its material taken for the type that was named, and what is wished of it.
 pub fn opened(start: &str, arguments: &Arguments) -> Outcome<(Document, Wishes)> {
-    let (name, bytes) = Input::default().read(start)?;
-    let (document, wishes) = (Document::read(&name, bytes)?, arguments.wishes());
+    let (document, wishes) = read(start, arguments)?;
     match arguments.unknown.kind.as_deref() {
         None => Ok((document, wishes)),
         Some(AUTO) => Err(Error::new("--type auto compares pictures: it needs --scene and --target, without --exec or --direct").into()),
@@ -45,8 +50,7 @@ pub fn take<'a>(start: &str, target: &str, effort: Effort, arguments: &Arguments
         let found = kept(&asked, arguments)?.map(Kept::found);
         return Ok(Taken { photo, title: vec![], doubts: vec![], asked, found });
     }
-    let (name, bytes) = Input::default().read(start)?;
-    let (document, wishes) = (Document::read(&name, bytes)?, arguments.wishes());
+    let (document, wishes) = read(start, arguments)?;
     // A type that what was wished leaves without anything unknown is left out.
     let mut unknowns = Vec::new();
     for (kind, _) in TYPES {

@@ -21,7 +21,7 @@ pub fn predict(start: &str, arguments: &Arguments, console: &Console) -> Outcome
     let (evidence, seed) = (photo.evidence(), arguments.common.seed);
     console.progress(|| "predicting".into());
     let told = predicted(&evidence, &unknown, photo.material(), seed)?;
-    let values: Vec<f64> = unknown.parameters().iter().map(|p| p.start).collect();
+    let values = unknown.start();
     let answer = Answer::new(&unknown, &values, Some(&told.known()));
     let (width, height) = (evidence.film.width, evidence.film.height);
     let mut title = vec![

@@ -23,7 +23,7 @@ pub struct Trail {
 impl Trail {
     /// The trail of a recovery that begins at the start of an unknown, or went through some `rounds` already. Each round is a line of `log`.
     pub fn new(unknown: &Unknown, rounds: Option<Vec<Moment>>, log: Option<&Path>) -> Outcome<Self> {
-        let start = || vec![Moment { values: unknown.parameters().iter().map(|p| p.start).collect(), errors: None, chi2: None }];
+        let start = || vec![Moment { values: unknown.start(), errors: None, chi2: None }];
         let log = log.map(|path| Log::open(path, 0)).transpose()?.map(|log| Mutex::new((log, Ok(()))));
         let names = unknown.parameters().iter().map(|p| p.name.clone()).collect();
         let trail = Self { moments: Mutex::new(rounds.unwrap_or_else(start)), log, names };

@@ -88,8 +88,7 @@ impl Model for Stage<'_> {
 
 /// A model near the starting values.
 pub fn near_start<'a>(evidence: &'a Evidence<'a>, unknown: &'a Unknown, material: MaterialId) -> impl Model + 'a {
-    let start: Vec<f64> = unknown.parameters().iter().map(|p| p.start).collect();
-    let index = unknown.reals(&start).get(3).copied().unwrap_or(GLASS_INDEX);
+    let index = unknown.reals(&unknown.start()).get(3).copied().unwrap_or(GLASS_INDEX);
     let free = unknown.slots().get(3).is_some_and(Option::is_some);
     Stage::new(evidence, unknown, material, if free { close(index) } else { vec![index] })
 }
@@ -112,7 +111,7 @@ pub fn recover(
     let sheet = Sheet::new(evidence, pixels);
     let mut seeds = Seeds::new(effort.seed);
     let slot = unknown.slots().get(3).copied().flatten();
-    let start: Vec<f64> = parameters.iter().map(|p| p.start).collect();
+    let start = unknown.start();
     let fixed = unknown.reals(&start).get(3).copied().unwrap_or(GLASS_INDEX);
     let (low, high) = slot.map_or((fixed, fixed), |i| (parameters[i].low.max(LEAST_INDEX), parameters[i].high.max(LEAST_INDEX)));
     let bounds: Vec<(f64, f64)> =

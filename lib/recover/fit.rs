@@ -47,7 +47,7 @@ pub trait Valley {
     fn chi2(&self, values: &[f64]) -> f64;
 
     /// Half its gradient, and Gauss and Newton's matrix.
-    fn normal_equations(&self, values: &[f64]) -> (Vec<f64>, Vec<Vec<f64>>);
+    fn normal_equations(&self, values: &[f64]) -> (Vec<f64>, Symmetric);
 
     /// A relative gain that is not worth another step.
     fn enough(&self) -> f64 {
@@ -71,10 +71,10 @@ pub trait Valley {
                 .collect();
             let mut improved = false;
             for _ in 0..12 {
-                let scale = |i: usize| matrix[i][i].abs().max(1e-300);
+                let scale = |i: usize| matrix.at(i, i).abs().max(1e-300);
                 let damped = Symmetric::of(moving.len(), |a, b| {
                     let (i, j) = (moving[a], moving[b]);
-                    if i == j { matrix[i][i].max(0.0) + damping * scale(i) } else { matrix[i][j] }
+                    if i == j { matrix.at(i, i).max(0.0) + damping * scale(i) } else { matrix.at(i, j) }
                 });
                 let step = damped.inverse().map(|inverse| inverse.times(&moving.iter().map(|&i| -gradient[i]).collect::<Vec<_>>()));
                 let Some(step) = step else {
@@ -111,7 +111,7 @@ impl Valley for Problem<'_> {
         self.gram.chi2(&(self.coefficients)(values))
     }
 
-    fn normal_equations(&self, values: &[f64]) -> (Vec<f64>, Vec<Vec<f64>>) {
+    fn normal_equations(&self, values: &[f64]) -> (Vec<f64>, Symmetric) {
         self.gram.normal_equations(&(self.coefficients)(values), &derivatives(self.coefficients, self.bounds, values))
     }
 }

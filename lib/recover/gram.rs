@@ -3,6 +3,7 @@
 //! A picture is a combination x of the basis' columns, per channel. χ² = Σ w (T − I)² = xᵀGx − 2 rᵀx + t, with G, r and t summed once
 //! (measured: 5–24 ms, then 3 µs for each χ²).
 
+use crate::anneal::linear::Symmetric;
 use crate::transport::Basis;
 use rayon::prelude::*;
 
@@ -100,17 +101,15 @@ impl Gram {
     }
 
     /// Half the gradient of χ², and Gauss and Newton's matrix, in parameters that move x by the columns of `jacobian` (parameter by parameter).
-    pub fn normal_equations(&self, x: &[Vec<f64>; 3], jacobian: &[[Vec<f64>; 3]]) -> (Vec<f64>, Vec<Vec<f64>>) {
+    pub fn normal_equations(&self, x: &[Vec<f64>; 3], jacobian: &[[Vec<f64>; 3]]) -> (Vec<f64>, Symmetric) {
         let n = jacobian.len();
-        let (mut gradient, mut matrix) = (vec![0.0; n], vec![vec![0.0; n]; n]);
+        let (mut gradient, mut matrix) = (vec![0.0; n], Symmetric::diagonal(&vec![0.0; n]));
         for c in 0..3 {
             let gx = self.times(c, &x[c]);
             let moved: Vec<Vec<f64>> = jacobian.iter().map(|j| self.times(c, &j[c])).collect();
             for i in 0..n {
                 gradient[i] += dot(&jacobian[i][c], &gx) - dot(&jacobian[i][c], &self.products[c]);
-                for j in 0..n {
-                    matrix[i][j] += dot(&jacobian[i][c], &moved[j]);
-                }
+                (0..=i).for_each(|j| matrix.set(i, j, matrix.at(i, j) + dot(&jacobian[i][c], &moved[j])));
             }
         }
         (gradient, matrix)

@@ -4,6 +4,7 @@ use super::fit::{Valley, derivatives};
 use super::statistics::{Channels, Half, STEPS, Scores, Sheet, pictures, shares};
 use super::{Effort, Evidence, Recovery, Seeds};
 use crate::anneal::Parameter;
+use crate::anneal::linear::Symmetric;
 use crate::sampling::mix64;
 use crate::transport::Basis;
 use rayon::prelude::*;
@@ -62,7 +63,7 @@ impl Look<'_> {
         let pixels = if self.effort.quick { self.pixels.to_vec() } else { scattered(self.pixels, self.evidence.film.width) };
         let all = pixels.len() as f64;
         let mut count = if self.effort.quick { all } else { (FIRST / EACH.0).floor().min(all) };
-        let mut each = (FIRST / count).clamp(EACH.0.min(FIRST / count), EACH.1).floor();
+        let mut each = (FIRST / count).min(EACH.1).floor();
         let mut best = near.to_vec();
         model.tune(&best, None);
         let trace = |model: &dyn Model, numbers: &[usize], samples: f64, seeds: &mut Seeds| {
@@ -132,7 +133,7 @@ impl Look<'_> {
         }
         let next = shares(&now, &weights, &variance);
         let (covariance, own) = now.covariances();
-        let losses = now.losses(&sheet.relative());
+        let losses = if self.effort.quick { now.losses(&sheet.relative()) } else { vec![] };
         (Recovery { values, covariance, own, common: now.common(), chi2: now.chi2(), pixels: sheet.numbers.len(), losses }, next)
     }
 }
@@ -180,12 +181,12 @@ impl Whole<'_> {
     }
 
     /// Gauss and Newton's matrix.
-    fn curvature(&self, derivatives: &[Vec<Half>]) -> Vec<Vec<f64>> {
+    fn curvature(&self, derivatives: &[Vec<Half>]) -> Symmetric {
         self.sum_of_products(derivatives, |_, _| 0.0).1
     }
 
     /// The sums over pixels and channels of weight × derivative × `rest`, and of weight × derivative × derivative.
-    fn sum_of_products(&self, derivatives: &[Vec<Half>], rest: impl Fn(usize, usize) -> f64 + Sync) -> (Vec<f64>, Vec<Vec<f64>>) {
+    fn sum_of_products(&self, derivatives: &[Vec<Half>], rest: impl Fn(usize, usize) -> f64 + Sync) -> (Vec<f64>, Symmetric) {
         let n = derivatives.len();
         let pixel = |sum: &mut Vec<f64>, p: usize| {
             for c in 0..3 {
@@ -200,8 +201,7 @@ impl Whole<'_> {
             }
         };
         let sums = self.sum(|| vec![0.0; n + n * n], pixel, |sum, piece| sum.iter_mut().zip(piece).for_each(|(s, p)| *s += p));
-        let at = |i: usize, j: usize| sums[n + i.max(j) * n + i.min(j)];
-        (sums[..n].to_vec(), (0..n).map(|i| (0..n).map(|j| at(i, j)).collect()).collect())
+        (sums[..n].to_vec(), Symmetric::of(n, |i, j| sums[n + i * n + j]))
     }
 
     /// Sums what `part` says of each pixel and channel with the mean of both halves there.
@@ -245,7 +245,7 @@ impl Valley for Whole<'_> {
         self.sum(|| 0.0, pixel, |sum, piece| *sum += piece)
     }
 
-    fn normal_equations(&self, values: &[f64]) -> (Vec<f64>, Vec<Vec<f64>>) {
+    fn normal_equations(&self, values: &[f64]) -> (Vec<f64>, Symmetric) {
         let halves = pictures(self.basis, &self.model.coefficients(values));
         let derivatives = self.derivatives(values);
         self.sum_of_products(&derivatives, |p, c| 0.5 * (halves[0][p][c] + halves[1][p][c]) - self.target[p][c] as f64)

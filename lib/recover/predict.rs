@@ -2,6 +2,7 @@
 
 use super::doubts::Known;
 use super::look::{Model, scores};
+use super::model::Kind;
 use super::statistics::{COMMON, Channels, Sheet, pictures};
 use super::{Evidence, clear, rough, supported};
 use crate::anneal::linear::Symmetric;
@@ -51,15 +52,14 @@ pub fn assumed() -> String {
 pub fn predict(evidence: &Evidence, unknown: &Unknown, material: MaterialId, seed: u64) -> Result<Prediction> {
     supported(unknown)?;
     let pixels = evidence.pixels(unknown, material)?;
-    match rough::near_start(evidence, unknown, material) {
-        Some(mut model) => by(&mut model, evidence, unknown, &pixels, seed),
+    match Kind::named(&unknown.material().kind) {
+        Some(kind) => by(&mut rough::near_start(evidence, unknown, material, kind), evidence, unknown, &pixels, seed),
         None => by(&mut clear::near_start(evidence, unknown, material), evidence, unknown, &pixels, seed),
     }
 }
 
 fn by(model: &mut dyn Model, evidence: &Evidence, unknown: &Unknown, pixels: &[usize], seed: u64) -> Result<Prediction> {
-    let values: Vec<f64> = unknown.parameters().iter().map(|p| p.start).collect();
-    let bounds: Vec<(f64, f64)> = unknown.parameters().iter().map(|p| (p.low, p.high)).collect();
+    let (values, bounds) = (unknown.start(), unknown.bounds());
     model.tune(&values, None);
     let each = (SAMPLES / (pixels.len() as f64)).clamp(EACH.0, EACH.1);
     let basis = model.trace(pixels, &vec![each as u32; pixels.len()], seed);

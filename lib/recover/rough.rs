@@ -125,12 +125,10 @@ fn around(middle: f64, (count, ratio): (usize, f64)) -> Vec<f64> {
     (0..count).map(|i| middle * ratio.powf(i as f64 - (count - 1) as f64 / 2.0)).collect()
 }
 
-/// A model near the starting values; `None` if the unknown is no rough material.
-pub fn near_start<'a>(evidence: &'a Evidence<'a>, unknown: &'a Unknown, material: MaterialId) -> Option<impl Model + 'a> {
-    let kind = Kind::named(&unknown.material().kind)?;
-    let values: Vec<f64> = unknown.parameters().iter().map(|p| p.start).collect();
-    let grid = roughness(kind, &unknown.reals(&values)).map(|middle| around(middle, kind.nodes()));
-    Some(Stage::new(evidence, unknown, material, kind, grid, vec![]))
+/// A model near the starting values.
+pub fn near_start<'a>(evidence: &'a Evidence<'a>, unknown: &'a Unknown, material: MaterialId, kind: Kind) -> impl Model + 'a {
+    let grid = roughness(kind, &unknown.reals(&unknown.start())).map(|middle| around(middle, kind.nodes()));
+    Stage::new(evidence, unknown, material, kind, grid, vec![])
 }
 
 /// Recovers the numbers.
@@ -138,14 +136,13 @@ pub fn recover(
     evidence: &Evidence,
     unknown: &Unknown,
     material: MaterialId,
+    kind: Kind,
     pixels: &[usize],
     effort: Effort,
     tell: &dyn Fn(&str),
 ) -> Result<Recovery> {
-    let name = unknown.material().kind.as_str();
-    let kind = Kind::named(name).ok_or_else(|| unknown.material().error(format!("{name} is not a rough material")))?;
     let nodes = kind.nodes();
-    let bounds: Vec<(f64, f64)> = unknown.parameters().iter().map(|p| (p.low, p.high)).collect();
+    let bounds = unknown.bounds();
     let mut seeds = Seeds::new(effort.seed);
 
     // A first look at all roughnesses, by some of the pixels.

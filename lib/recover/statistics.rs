@@ -163,7 +163,7 @@ pub struct Scores<'a> {
     /// How far each derivative is to be trusted at each pixel.
     trust: Vec<Vec<f64>>,
     /// What takes scores to a step that is safe; `None` if the pixels do not determine the values.
-    forward: Option<Vec<Vec<f64>>>,
+    forward: Option<Symmetric>,
     /// What takes scores to all steps together: nearly the inverse of the matrix that takes values to scores.
     inverse: Option<Vec<Vec<f64>>>,
     /// What is known before of each parameter: one over the variance of a value anywhere between its bounds.
@@ -180,7 +180,7 @@ impl<'a> Scores<'a> {
         weights: &'a Channels,
         halves: Vec<Half>,
         derivatives: Vec<Vec<Half>>,
-        mut curvature: Vec<Vec<f64>>,
+        mut curvature: Symmetric,
         bounds: &[(f64, f64)],
     ) -> Self {
         let trust = derivatives.par_iter().map(|d| trust(sheet, weights, d)).collect();
@@ -190,11 +190,11 @@ impl<'a> Scores<'a> {
         let mut slopes: Vec<Vec<f64>> = (0..n).map(|i| (0..n).map(|j| scores.slope(i, j)).collect()).collect();
         for i in 0..n {
             slopes[i][i] += scores.prior[i];
-            curvature[i][i] += scores.prior[i];
+            curvature.set(i, i, curvature.at(i, i) + scores.prior[i]);
         }
-        scores.forward = invert(curvature);
+        scores.forward = curvature.inverse();
         scores.inverse = scores.forward.as_ref().map(|forward| landweber(forward, &slopes));
-        scores.errors = (0..n).map(|i| scores.covariances().0.at(i, i).sqrt()).collect();
+        scores.errors = scores.covariances().0.deviations();
         scores
     }
 
@@ -223,14 +223,12 @@ impl<'a> Scores<'a> {
     /// χ² is too steep by the noise, but never flat: [`STEPS`] steps by its inverse come nearly as far where the slope is well known, and
     /// not astray where it is not (Landweber 1951).
     pub fn step(&self) -> Option<Vec<f64>> {
-        let inverse = self.forward.as_ref()?;
-        Some(self.by(inverse))
+        self.forward.as_ref().map(|forward| forward.times(&self.scores()))
     }
 
-    /// What a matrix makes of the scores.
-    fn by(&self, matrix: &[Vec<f64>]) -> Vec<f64> {
-        let scores: Vec<f64> = (0..matrix.len()).map(|i| (0..self.weights.len()).map(|p| self.score(i, p)).sum()).collect();
-        matrix.iter().map(|row| row.iter().zip(&scores).map(|(a, s)| a * s).sum()).collect()
+    /// The score of each parameter.
+    fn scores(&self) -> Vec<f64> {
+        (0..self.derivatives.len()).map(|i| (0..self.weights.len()).map(|p| self.score(i, p)).sum()).collect()
     }
 
     /// The largest part of a step, in standard errors.
@@ -260,19 +258,9 @@ impl<'a> Scores<'a> {
             return (nothing.clone(), nothing);
         };
         let (mut all, mut own) = (Symmetric::diagonal(&vec![0.0; n]), Symmetric::diagonal(&vec![0.0; n]));
-        let add = |sum: &mut Symmetric, score: &[f64]| {
-            let moved: Vec<f64> = inverse.iter().map(|row| row.iter().zip(score).map(|(a, s)| a * s).sum()).collect();
-            for i in 0..n {
-                for j in 0..=i {
-                    sum.set(i, j, sum.at(i, j) + moved[i] * moved[j]);
-                }
-            }
-        };
+        let add = |sum: &mut Symmetric, score: &[f64]| add_square(sum, &times(inverse, score));
         // What as many steps again would do is not known either.
-        let rest = self.by(inverse);
-        for i in 0..n {
-            (0..=i).for_each(|j| all.set(i, j, rest[i] * rest[j]));
-        }
+        add(&mut all, &self.scores());
         // What the pixels leave open, the bounds still tell.
         for i in 0..n {
             let known: Vec<f64> = (0..n).map(|j| if i == j { self.prior[i].sqrt() } else { 0.0 }).collect();
@@ -321,11 +309,9 @@ impl<'a> Scores<'a> {
             for c in 0..3 {
                 let error = error(p, c);
                 let instrument: Vec<f64> = (0..n).map(|j| self.trust[j][p] * 0.5 * (d[j][0][p][c] + d[j][1][p][c]) * error).collect();
-                let moved: Vec<f64> = inverse.iter().map(|row| row.iter().zip(&instrument).map(|(a, i)| a * i).sum()).collect();
-                for i in 0..n {
-                    sizes[i] += moved[i].abs();
-                    (0..=i).for_each(|j| squares.set(i, j, squares.at(i, j) + moved[i] * moved[j]));
-                }
+                let moved = times(inverse, &instrument);
+                sizes.iter_mut().zip(&moved).for_each(|(size, m)| *size += m.abs());
+                add_square(&mut squares, &moved);
             }
         }
         (squares, sizes)
@@ -371,44 +357,31 @@ pub fn shares(scores: &Scores, weights: &Channels, variance: &[[f64; 3]]) -> Vec
 /// Steps toward the values that the scores ask for.
 pub const STEPS: usize = 24;
 
+/// The product of a matrix and a vector.
+fn times(matrix: &[Vec<f64>], x: &[f64]) -> Vec<f64> {
+    matrix.iter().map(|row| row.iter().zip(x).map(|(a, x)| a * x).sum()).collect()
+}
+
+/// Adds the products of each pair of the entries of a vector.
+fn add_square(sum: &mut Symmetric, x: &[f64]) {
+    for i in 0..x.len() {
+        (0..=i).for_each(|j| sum.set(i, j, sum.at(i, j) + x[i] * x[j]));
+    }
+}
+
 /// What [`STEPS`] steps by `forward` make of scores that change with the values by `slopes`.
-fn landweber(forward: &[Vec<f64>], slopes: &[Vec<f64>]) -> Vec<Vec<f64>> {
-    let n = forward.len();
+fn landweber(forward: &Symmetric, slopes: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let n = forward.size();
+    let forward: Vec<Vec<f64>> = (0..n).map(|i| (0..n).map(|j| forward.at(i, j)).collect()).collect();
     let times = |a: &[Vec<f64>], b: &[Vec<f64>]| -> Vec<Vec<f64>> {
         (0..n).map(|i| (0..n).map(|j| (0..n).map(|k| a[i][k] * b[k][j]).sum()).collect()).collect()
     };
-    let mut all = forward.to_vec();
+    let mut all = forward.clone();
     for _ in 1..STEPS {
         let left = times(slopes, &all);
         let rest: Vec<Vec<f64>> = (0..n).map(|i| (0..n).map(|j| (i == j) as u8 as f64 - left[i][j]).collect()).collect();
-        let more = times(forward, &rest);
+        let more = times(&forward, &rest);
         all.iter_mut().flatten().zip(more.into_iter().flatten()).for_each(|(a, m)| *a += m);
     }
     all
-}
-
-/// The inverse of a square matrix (Gauss and Jordan, with pivots); `None` if it has none.
-fn invert(mut matrix: Vec<Vec<f64>>) -> Option<Vec<Vec<f64>>> {
-    let n = matrix.len();
-    let mut inverse: Vec<Vec<f64>> = (0..n).map(|i| (0..n).map(|j| (i == j) as u8 as f64).collect()).collect();
-    for column in 0..n {
-        let pivot = (column..n).max_by(|&a, &b| matrix[a][column].abs().total_cmp(&matrix[b][column].abs()))?;
-        matrix.swap(column, pivot);
-        inverse.swap(column, pivot);
-        let value = matrix[column][column];
-        if !(value.abs() > f64::MIN_POSITIVE && value.is_finite()) {
-            return None;
-        }
-        for rows in [&mut matrix, &mut inverse] {
-            rows[column].iter_mut().for_each(|x| *x /= value);
-        }
-        for row in (0..n).filter(|&r| r != column) {
-            let factor = matrix[row][column];
-            for j in 0..n {
-                matrix[row][j] -= factor * matrix[column][j];
-                inverse[row][j] -= factor * inverse[column][j];
-            }
-        }
-    }
-    Some(inverse)
 }

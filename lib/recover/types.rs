@@ -222,7 +222,7 @@ mod tests {
     fn trial(material: &str, loss: f64, phase: f64) -> Trial {
         let document = Document::parse(Source::new("m.rad", format!("void {material}"))).unwrap();
         let unknown = Unknown::new(document, &Wishes::default()).unwrap();
-        let values: Vec<f64> = unknown.parameters().iter().map(|p| p.start).collect();
+        let values = unknown.start();
         let covariance = Symmetric::diagonal(&vec![1e-6; values.len()]);
         let losses = (0..64).map(|p| loss * (1.0 + 0.5 * (p as f64 * 2.4 + phase).sin())).collect();
         Trial::new(

@@ -141,6 +141,14 @@ impl Rough {
 }
 
 impl Rough {
+    /// The Gaussian densities of slopes at a half vector of any length, times π: of each node, and of all proposals together.
+    fn gaussians<const L: usize>(&self, h: Vec3) -> (Nodes<L>, f32) {
+        let (x, y) = ((h.x * h.x / (h.z * h.z)) as f32, (h.y * h.y / (h.z * h.z)) as f32);
+        let gaussian = |&(u, v, area): &Lanes| (-(u * x + v * y)).exp() * area;
+        let nodes = std::array::from_fn(|l| self.lanes.get(l).map_or(f32x8::ZERO, gaussian));
+        (nodes, self.drawn.iter().map(|lanes| gaussian(lanes).reduce_add()).sum())
+    }
+
     /// The product after one more part, and what else is to be multiplied with.
     fn meet(&self, monomial: u8, part: Part) -> Option<(u8, Rgb)> {
         match self.monomials.times(monomial, part) {
@@ -192,16 +200,13 @@ impl<const L: usize> Tagging<'_, L> {
         }
         if part == Part::SpecularReflection {
             let (wo, h) = (shape.viewer(), shape.viewer() + wi);
-            let (x, y) = ((h.x * h.x / (h.z * h.z)) as f32, (h.y * h.y / (h.z * h.z)) as f32);
-            let gaussian = |(u, v, area): (f32x8, f32x8, f32x8)| (-(u * x + v * y)).exp() * area;
+            let (nodes, drawn) = self.unknown.gaussians::<L>(h);
             let tilt = if arriving == Arriving::Indirect { shape.tilt(wi) } else { 1.0 };
             let scale = match self.rules.lobe {
                 Ward::Bounded => tilt * wi.z * h.length_squared() / (PI * h.z.powi(4)),
                 Ward::Original => tilt * wi.z / (4.0 * PI * (wi.z * wo.z).sqrt()),
             } as f32;
             let densities = (h.length_squared() / (2.0 * PI * h.z.powi(3))) as f32;
-            let nodes: Nodes<L> = std::array::from_fn(|l| self.unknown.lanes.get(l).map_or(f32x8::ZERO, |&lanes| gaussian(lanes)));
-            let drawn: f32 = self.unknown.drawn.iter().map(|&lanes| gaussian(lanes).reduce_add()).sum();
             (nodes.map(|n| n * scale), (drawn * densities) as f64)
         } else {
             let at = |alpha: Alpha| lobe::transmission_pdf(alpha, shape.straight(), wi);
@@ -309,13 +314,8 @@ impl<'a, const L: usize> Transport for Tagging<'a, L> {
         }
         let mut left: Nodes<L> = [f32x8::ONE; L];
         for (u, &proposal) in us.iter().zip(&unknown.proposals) {
-            let h = shape.viewer() + lobe::sample_reflection(proposal, shape.viewer(), *u);
-            let (x, y) = ((h.x * h.x / (h.z * h.z)) as f32, (h.y * h.y / (h.z * h.z)) as f32);
-            let gaussian = |(u, v, area): (f32x8, f32x8, f32x8)| (-(u * x + v * y)).exp() * area;
-            let drawn: f32 = unknown.drawn.iter().map(|&lanes| gaussian(lanes).reduce_add()).sum();
-            for (left, &lanes) in left.iter_mut().zip(&unknown.lanes) {
-                *left -= gaussian(lanes) * (1.0 / drawn);
-            }
+            let (nodes, drawn) = unknown.gaussians::<L>(shape.viewer() + lobe::sample_reflection(proposal, shape.viewer(), *u));
+            left.iter_mut().zip(nodes).for_each(|(left, node)| *left -= node * (1.0 / drawn));
         }
         Some(Beta { terms: [self.met(beta, surface, part, |l| left[l]), None] })
     }
