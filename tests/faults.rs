@@ -261,24 +261,28 @@ fn soak(directory: &Path, count: u64, words: &[&str]) {
     let words: Vec<&str> = ["-q", "--no-polish", "--steps", &steps, "start.rad"].iter().chain(words).copied().collect();
     let mut child = command(ANNEAL, directory, &words).spawn().unwrap();
     let (mut seen, begin) = (Vec::new(), Instant::now());
-    while !ends_within(&mut child, Duration::from_millis(20)) {
+    // It is looked at before it is waited for: however quick the machine, it has been seen once.
+    loop {
         let status = fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap_or_default();
         let size = status.lines().find_map(|line| line.strip_prefix("VmRSS:")?.trim().strip_suffix(" kB")?.trim().parse::<u64>().ok());
         seen.extend(size);
+        if ends_within(&mut child, Duration::from_millis(5)) {
+            break;
+        }
     }
     let done = child.wait_with_output().unwrap();
     assert!(done.status.success(), "{}", said(&done));
-    let early = seen[..seen.len() / 5 + 1].iter().max().unwrap();
-    let late = seen.iter().max().unwrap();
+    let most = |sizes: &[u64]| sizes.iter().copied().max().unwrap_or(0);
+    let (early, late) = (most(&seen[..seen.len().div_ceil(5)]), most(&seen));
     eprintln!("{steps} steps of {} in {:.1?}: {early} KiB in the first fifth, {late} KiB at most", words[5], begin.elapsed());
     // What is kept of an evaluation is some hundred bytes.
-    assert!(*late <= early + early / 10 + 2 * (count * 300 / 1024) + 1024, "{early} KiB early, {late} KiB late");
+    assert!(late <= early + early / 10 + 2 * (count * 300 / 1024) + 1024, "{early} KiB early, {late} KiB late");
 }
 
 #[test]
 fn a_long_search_takes_no_more_memory_late_than_early() {
     let directory = directory();
-    let (count, direct) = if faults() > 20 { (10_000, 10_000) } else { (300, 60) };
+    let (count, direct) = if faults() > 20 { (10_000, 10_000) } else { (300, 600) };
     // The shell alone is quick. What it prints changes, so that the search has something to do.
     soak(directory.path(), count, &["--exec", "read a < /proc/uptime; a=${a%% *}; echo ${a#*.}", "--state", "state"]);
     let sky = "void glow g 0 0 4 1 1 1 0\ng source sky 0 0 4 0 0 1 360\n";
