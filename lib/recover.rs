@@ -94,9 +94,10 @@ impl Effort<'_> {
         })
     }
 
-    /// Whether a recovery is as good as is wished for, or as the picture allows; `before` is what fewer samples gave.
+    /// Whether a recovery is as good as is wished for, or as the picture allows; `before` is what fewer samples of the whole picture gave.
     fn contents(&self, parameters: &[Parameter], found: &Recovery, before: Option<&Recovery>) -> bool {
-        let gained = |i: usize| before.is_none_or(|before| found.covariance.at(i, i) < GAIN * before.covariance.at(i, i));
+        let change = |i: usize| before.map_or(0.0, |before| found.covariance.at(i, i) / before.covariance.at(i, i));
+        let gained = |i: usize| !(GAIN..1.0 / GAIN).contains(&change(i));
         let settled = |i: usize| self.tolerance.is_none() && found.own.at(i, i) <= OWN * found.covariance.at(i, i) && !gained(i);
         let near = |(i, p): (usize, &Parameter)| found.covariance.at(i, i).sqrt() <= self.near(p, found.values[i]) || settled(i);
         parameters.iter().enumerate().all(near)
@@ -119,14 +120,14 @@ impl Effort<'_> {
 
 /// The standard error that satisfies when nothing is said: of a colour or a share, of an index of refraction, and of a roughness in terms
 /// of itself, down to the last.
-const NEAR: f64 = 0.0012;
+const NEAR: f64 = 0.002;
 const NEAR_INDEX: f64 = 0.0003;
 const NEAR_ROUGHNESS: f64 = 0.016;
 const NEAREST_ROUGHNESS: f64 = 0.0001;
 
 /// Or what the picture allows: the part of a variance that the rendering may make.
 const OWN: f64 = 0.25;
-/// And the part of a variance that more samples must leave over.
+/// And the part of a variance that more samples must leave over; nor may they add as much.
 const GAIN: f64 = 0.8;
 
 /// A seed for every tracing.

@@ -79,8 +79,8 @@ impl Basis {
         self.values.extend(other.values);
     }
 
-    /// Takes in another tracing of the same pixels, with a part `weight` of the whole. The part must not depend on what was found: a pixel
-    /// that gets more samples because the first were bright would otherwise end up too dark.
+    /// Takes in another tracing of the same pixels, with a part `weight` of the whole. The part is the same for all: a
+    /// pixel that counts less of the first tracing because that was bright there would end up too dark.
     pub fn join(&mut self, other: &Self, weight: f32) {
         let (kept, taken) = (1.0 - weight, weight);
         self.values.par_chunks_mut(4096).zip(other.values.par_chunks(4096)).for_each(|(mine, others)| {

@@ -1,7 +1,7 @@
 //! A look at the picture: samples where they tell most, the values that explain it best near some others, and how sure they are.
 
 use super::fit::{Valley, derivatives};
-use super::statistics::{Channels, Half, STEPS, Scores, Sheet, pictures, shares};
+use super::statistics::{Channels, Half, STEPS, Scores, Sheet, influence, pictures};
 use super::{Effort, Evidence, Recovery, Seeds};
 use crate::anneal::Parameter;
 use crate::anneal::linear::Symmetric;
@@ -31,7 +31,7 @@ const SAMPLES: (f64, f64) = (4.0, 1024.0);
 /// Samples in each half of the first round, and of each pixel in it, at the least and at the most: rather few pixels that say something
 /// than many that are all noise, which the bottom of χ² takes for signal.
 const FIRST: f64 = 80_000.0;
-const EACH: (f64, f64) = (48.0, 64.0);
+const EACH: (f64, f64) = (24.0, 64.0);
 
 /// By how much a round adds to all samples before it; less than the last is not worth a round.
 const GROWTH: (f64, f64) = (0.5, 2.0);
@@ -73,7 +73,7 @@ impl Look<'_> {
         let mut before: Option<Recovery> = None;
         for round in 1.. {
             let sheet = Sheet::new(self.evidence, &pixels[..count as usize]);
-            let (found, shares) = self.fit(&sheet, model, &basis, &best);
+            let (found, influence) = self.fit(&sheet, model, &basis, &best);
             (self.effort.told)(&found);
             let strayed = model.trusted(&found.values) != found.values;
             let budget = if self.effort.tolerance.is_none() { BUDGET / each / count } else { f64::INFINITY };
@@ -88,6 +88,7 @@ impl Look<'_> {
             }
             best.clone_from(&found.values);
             model.tune(&best, Some(&found.errors()));
+            before = (count == all).then_some(found.clone());
             let growth = (self.effort.lack(self.parameters, &found) - 1.0).max(GROWTH.0).min(most);
             if count < all {
                 let more = (count * (1.0 + growth)).floor().min(all);
@@ -95,16 +96,17 @@ impl Look<'_> {
                 count = more;
             } else {
                 let mean = each * growth;
-                let samples: Vec<u32> = shares.iter().map(|share| (mean * share).clamp(SAMPLES.0, SAMPLES.1) as u32).collect();
                 each += mean;
-                basis.join(&model.trace(&pixels, &samples, seeds.next()), (mean / each) as f32);
+                let samples = shared(mean, &influence);
+                let more = model.trace(&pixels, &samples, seeds.next());
+                let [before, now] = [&basis, &more].map(|basis| disturbance(&influence, &basis.samples));
+                basis.join(&more, (before / (before + now)) as f32);
             }
-            before = Some(found);
         }
         unreachable!("a look has rounds")
     }
 
-    /// The values that explain the picture best, near some; and which shares of further samples would be best.
+    /// The values that explain the picture best, near some; and how much the error of a sample in each pixel disturbs them.
     fn fit(&self, sheet: &Sheet, model: &dyn Model, basis: &Basis, near: &[f64]) -> (Recovery, Vec<f64>) {
         let halves = pictures(basis, &model.coefficients(near));
         let variance = sheet.variance(&halves, &basis.samples);
@@ -131,11 +133,27 @@ impl Look<'_> {
                 break;
             }
         }
-        let next = shares(&now, &weights, &variance);
+        let wished: Vec<f64> = self.parameters.iter().zip(&values).map(|(p, value)| self.effort.near(p, *value)).collect();
+        let influence = influence(&now, &weights, &variance, &wished);
         let (covariance, own) = now.covariances();
         let losses = if self.effort.quick { now.losses(&sheet.relative()) } else { vec![] };
-        (Recovery { values, covariance, own, common: now.common(), chi2: now.chi2(), pixels: sheet.numbers.len(), losses }, next)
+        (Recovery { values, covariance, own, common: now.common(), chi2: now.chi2(), pixels: sheet.numbers.len(), losses }, influence)
     }
+}
+
+/// The part of the samples that all pixels share evenly: what few samples say of a pixel may be wrong.
+const EVEN: f64 = 0.3;
+
+/// Samples, `mean` on the average, shared among pixels in proportion to how much their errors disturb (Neyman 1934).
+fn shared(mean: f64, influence: &[f64]) -> Vec<u32> {
+    let level = influence.iter().sum::<f64>() / influence.len() as f64;
+    let share = |i: &f64| if level > 0.0 && level.is_finite() { EVEN + (1.0 - EVEN) * i / level } else { 1.0 };
+    influence.iter().map(|i| (mean * share(i)).clamp(SAMPLES.0, SAMPLES.1) as u32).collect()
+}
+
+/// How much the errors of pixels with so many samples disturb together.
+fn disturbance(influence: &[f64], samples: &[f32]) -> f64 {
+    influence.iter().zip(samples).map(|(i, n)| i * i / *n as f64).sum::<f64>().max(f64::MIN_POSITIVE)
 }
 
 /// What pixels of some weights say about values.

@@ -34,7 +34,7 @@ const MOST_LOOKS: usize = 10;
 /// Where directions are drawn from, in terms of the roughness: when it is hardly known, and when its relative standard error is below this.
 const WIDE: [f64; 3] = [0.3, 1.0, 3.0];
 const NARROW: [f64; 2] = [0.8, 1.3];
-const KNOWN: f64 = 0.05;
+const KNOWN: f64 = 0.1;
 
 /// A roughness below which one more direction is worth its cost: at .01 it makes errors three times smaller, at .12 no smaller.
 const SHARP: f64 = 0.04;

@@ -85,10 +85,13 @@ impl<'a> Sheet<'a> {
     }
 
     /// The variance of one sample of each pixel, by what its neighbours say. `halves` are two independent estimates, of `samples` samples each.
-    /// The pixel itself has no say: a weight that went by its own noise would favour what is too dark by chance.
+    /// The pixel itself has no say, for a weight that went by its own noise would favour what is too dark by chance; unless it differs from
+    /// its neighbours beyond [`ALONE`]. One pixel that sees a lamp by the way, and is believed, outweighs thousands.
     pub fn variance(&self, halves: &[Half], samples: &[f32]) -> Vec<[f64; 3]> {
         let own = |(i, &n): (usize, &f32)| std::array::from_fn(|c| 0.5 * (halves[0][i][c] - halves[1][i][c]).powi(2) * n as f64);
-        self.around(&samples.iter().enumerate().map(own).collect::<Vec<_>>(), 1)
+        let own: Vec<[f64; 3]> = samples.iter().enumerate().map(own).collect();
+        let around = self.around(&own, 1);
+        around.iter().zip(own).map(|(around, own)| std::array::from_fn(|c| around[c].max(own[c] / ALONE.powi(2)))).collect()
     }
 
     /// Weights that go by the variance of a sample.
@@ -130,7 +133,9 @@ const TARGET_SAMPLES: (f64, f64) = (4.0, 1000.0);
 /// underrated; beyond this its pull does not grow (Huber 1964).
 const OUTLIER: f64 = 4.0;
 /// How much further off it may be per unit of the rendering's variance in terms of the photograph's: what both halves missed is no outlier.
-const OWN: f64 = 5.0;
+const OWN: f64 = 1.0;
+/// By how many standard errors, as its neighbours have them, the halves of a pixel may differ before its own difference counts.
+const ALONE: f64 = 4.0;
 /// The part of its value by which a picture may be off in many pixels at once: by its light, its shape, the formula of a lobe.
 pub const COMMON: f64 = 0.015;
 /// And the relative misfit of a perfect photograph.
@@ -334,24 +339,17 @@ fn trust(sheet: &Sheet, weights: &Channels, derivative: &[Half]) -> Vec<f64> {
     around.iter().map(|[common, whole, _]| if *whole > 0.0 { (common / whole).clamp(0.0, 1.0) } else { 0.0 }).collect()
 }
 
-/// The part of the samples that all pixels share evenly: what few samples say of a pixel may be wrong.
-const EVEN: f64 = 0.3;
-
-/// How further samples are best shared among the pixels (Neyman 1934): in proportion to what the error of a sample does to the values, each
-/// measured by its own error. The mean share is 1.
-pub fn shares(scores: &Scores, weights: &Channels, variance: &[[f64; 3]]) -> Vec<f64> {
+/// How much the error of one sample of each pixel disturbs the values, each in terms of the error that is wished for.
+pub fn influence(scores: &Scores, weights: &Channels, variance: &[[f64; 3]], wished: &[f64]) -> Vec<f64> {
     let Some(inverse) = &scores.inverse else { return vec![1.0; weights.len()] };
     let d = &scores.derivatives;
-    let spread = |p: usize| -> f64 {
+    let pixel = |p: usize| -> f64 {
         let instrument = |j: usize, c: usize| scores.trust[j][p].sqrt() * 0.5 * (d[j][0][p][c] + d[j][1][p][c]);
-        let moved = |i: usize, c: usize| {
-            (0..d.len()).map(|j| inverse[i][j] * instrument(j, c)).sum::<f64>() * weights[p][c] as f64 / scores.errors[i]
-        };
+        let moved =
+            |i: usize, c: usize| (0..d.len()).map(|j| inverse[i][j] * instrument(j, c)).sum::<f64>() * weights[p][c] as f64 / wished[i];
         (0..3).map(|c| variance[p][c] * (0..d.len()).map(|i| moved(i, c).powi(2)).sum::<f64>()).sum::<f64>().sqrt()
     };
-    let spreads: Vec<f64> = (0..weights.len()).map(spread).collect();
-    let mean = spreads.iter().sum::<f64>() / spreads.len() as f64;
-    spreads.iter().map(|s| if mean > 0.0 && mean.is_finite() { EVEN + (1.0 - EVEN) * s / mean } else { 1.0 }).collect()
+    (0..weights.len()).map(pixel).collect()
 }
 
 /// Steps toward the values that the scores ask for.
