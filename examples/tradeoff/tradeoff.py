@@ -206,4 +206,5 @@ def main():
                      "largest error of a parameter")
 
 
-main()
+if __name__ == "__main__":
+    main()
