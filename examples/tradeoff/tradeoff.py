@@ -33,7 +33,7 @@ def run(command, cwd, **options):
     before = os.times()
     out, said = process.communicate()
     after = os.times()
-    if process.returncode not in (0, 1):
+    if process.returncode != 0:
         raise RuntimeError(f"{command}: {said.decode(errors='replace')}")
     return after.children_user + after.children_system - before.children_user - before.children_system, out
 
