@@ -45,7 +45,7 @@
 //! | [`rays`] | what is asked and said of single rays, as `rtrace` reads and writes it | rayon |
 //! | [`transport`] | the basis: the picture as a function of one unknown material | rayon, wide |
 //! | [`recover`] | target, unknown and bounds to values and their standard errors | rayon |
-//! | [`report`] | a recovery as one page to look at | |
+//! | [`report`] | a recovery as one page to look at | serde |
 //! | [`args`] | what was typed | clap, clap_complete, clap_mangen |
 //! | [`cli`] | the outside: files, commands, progress, exit status | clap, ctrlc, rayon, serde, serde_json, tempfile |
 

@@ -18,6 +18,7 @@ use crate::rad::Number;
 use crate::recover::answer::six;
 use crate::recover::model::{Kind, parts};
 use chart::{Course, best, class, matrix, place};
+use serde::{Deserialize, Serialize};
 use text::{brief, data_uri, escape, fixed, rounded};
 
 /// What a page tells.
@@ -57,7 +58,7 @@ pub struct Report<'a> {
 }
 
 /// A moment of a search.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Moment {
     /// The values of the parameters.
     pub values: Vec<f64>,
@@ -65,6 +66,15 @@ pub struct Moment {
     pub errors: Option<Vec<f64>>,
     /// χ², if it was known.
     pub chi2: Option<f64>,
+    /// Over how many pixels, if not always the same.
+    pub pixels: Option<usize>,
+}
+
+impl Moment {
+    /// χ², or χ² a pixel: what can be compared with another moment's.
+    fn misfit(&self) -> Option<f64> {
+        self.chi2.map(|chi2| chi2 / self.pixels.unwrap_or(1) as f64)
+    }
 }
 
 /// Pictures are shown with at most so many pixels in a row or column.
@@ -191,9 +201,10 @@ impl Report<'_> {
         }
         let best = best(self.trail);
         let mut out = String::from("<section>\n<h2>How it was found</h2>\n<div class=\"courses\">\n");
-        let chi2: Vec<(f64, Option<f64>)> = self.trail.iter().map(|m| (m.chi2.unwrap_or(f64::NAN), None)).collect();
+        let misfits: Vec<(f64, Option<f64>)> = self.trail.iter().map(|m| (m.misfit().unwrap_or(f64::NAN), None)).collect();
+        let title = if self.trail.iter().any(|m| m.pixels.is_some()) { "chi-squared a pixel" } else { "chi-squared" };
         let course = |title, class, points, logarithmic| Course { title, class, points, best: &best, logarithmic, unit: self.unit };
-        out += &course("chi-squared", "k", chi2, true).draw();
+        out += &course(title, "k", misfits, true).draw();
         for (i, parameter) in self.parameters.iter().enumerate() {
             let points = self.trail.iter().map(|m| (m.values[i], m.errors.as_ref().map(|e| e[i]))).collect();
             out += &course(&parameter.name, class(&parameter.name), points, false).draw();

@@ -30,11 +30,8 @@ pub struct Kept {
     common: Symmetric,
     chi2: f64,
     pixels: usize,
-    rounds: Vec<Round>,
+    rounds: Vec<Moment>,
 }
-
-/// Values, errors and χ² of a round.
-type Round = (Vec<f64>, Option<Vec<f64>>, Option<f64>);
 
 /// What was asked: all that an answer depends on.
 #[derive(Clone, Serialize, Deserialize, PartialEq, Eq)]
@@ -64,7 +61,8 @@ impl Kept {
         let trouble = |what: &str| Error::new(format!("{}: {what}; {remedy}", path.display()));
         let kept: Self = serde_json::from_slice(&file(path)?).map_err(|e| trouble(&format!("not a recovery that anneal keeps ({e})")))?;
         let n = kept.values.len();
-        if ![&kept.covariance, &kept.own, &kept.common].iter().all(|m| m.is_finite_of(n)) || kept.rounds.iter().any(|r| r.0.len() != n) {
+        if ![&kept.covariance, &kept.own, &kept.common].iter().all(|m| m.is_finite_of(n)) || kept.rounds.iter().any(|r| r.values.len() != n)
+        {
             return Err(trouble("not a recovery that anneal keeps (its parts contradict each other)"));
         }
         match (kept.asked.options == asked.options, kept.asked.read == asked.read) {
@@ -84,7 +82,6 @@ impl Kept {
         found: &Recovery,
         trail: &Trail,
     ) -> Outcome<()> {
-        let rounds = trail.moments().iter().map(|m| (m.values.clone(), m.errors.clone(), m.chi2)).collect();
         let kept = Self {
             asked,
             kind: kind.into(),
@@ -96,7 +93,7 @@ impl Kept {
             common: found.common.clone(),
             chi2: found.chi2,
             pixels: found.pixels,
-            rounds,
+            rounds: trail.moments().clone(),
         };
         // What is infinite no file keeps: then the same command does it again.
         if ![&kept.covariance, &kept.own, &kept.common].iter().all(|m| m.is_finite_of(kept.values.len())) {
@@ -108,8 +105,7 @@ impl Kept {
 
     /// What was found, and how.
     pub fn found(self) -> (Recovery, Vec<Moment>) {
-        let Self { values, covariance, own, common, chi2, pixels, .. } = self;
-        let rounds = self.rounds.into_iter().map(|(values, errors, chi2)| Moment { values, errors, chi2 });
-        (Recovery { values, covariance, own, common, chi2, pixels, losses: vec![] }, rounds.collect())
+        let Self { values, covariance, own, common, chi2, pixels, rounds, .. } = self;
+        (Recovery { values, covariance, own, common, chi2, pixels, losses: vec![] }, rounds)
     }
 }

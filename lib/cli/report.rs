@@ -23,7 +23,7 @@ pub struct Trail {
 impl Trail {
     /// The trail of a recovery that begins at the start of an unknown, or went through some `rounds` already. Each round is a line of `log`.
     pub fn new(unknown: &Unknown, rounds: Option<Vec<Moment>>, log: Option<&Path>) -> Outcome<Self> {
-        let start = || vec![Moment { values: unknown.start(), errors: None, chi2: None }];
+        let start = || vec![Moment { values: unknown.start(), errors: None, chi2: None, pixels: None }];
         let log = log.map(|path| Log::open(path, 0)).transpose()?.map(|log| Mutex::new((log, Ok(()))));
         let names = unknown.parameters().iter().map(|p| p.name.clone()).collect();
         let trail = Self { moments: Mutex::new(rounds.unwrap_or_else(start)), log, names };
@@ -35,7 +35,8 @@ impl Trail {
 
     /// Keeps what a round found.
     pub fn hear(&self, found: &Recovery) {
-        let moment = Moment { values: found.values.clone(), errors: Some(found.errors()), chi2: Some(found.chi2) };
+        let (errors, chi2, pixels) = (Some(found.errors()), Some(found.chi2), Some(found.pixels));
+        let moment = Moment { values: found.values.clone(), errors, chi2, pixels };
         let mut moments = self.moments();
         self.write(moments.len(), &moment);
         moments.push(moment);
@@ -52,7 +53,7 @@ impl Trail {
         let named =
             |numbers: &[f64]| self.names.iter().cloned().zip(numbers.iter().map(|x| (*x).into())).collect::<serde_json::Map<_, _>>();
         let line = serde_json::json!({
-            "round": round, "chi2": moment.chi2, "values": named(&moment.values), "errors": moment.errors.as_deref().map(named),
+            "round": round, "chi2": moment.chi2, "pixels": moment.pixels, "values": named(&moment.values), "errors": moment.errors.as_deref().map(named),
         });
         if log.1.is_ok() {
             log.1 = log.0.write(&format!("{line}\n"));
@@ -82,7 +83,7 @@ pub fn of_search(path: &Path, search: &Search, photo: Option<&Photo>, console: &
     let annealer = search.annealed();
     let Some(best) = annealer.best() else { return Err(Error::new("nothing was evaluated yet: there is nothing to report").into()) };
     let answer = search.answer(&best.values);
-    let past = annealer.past().map(|(values, chi2)| Moment { values: values.to_vec(), errors: None, chi2 });
+    let past = annealer.past().map(|(values, chi2)| Moment { values: values.to_vec(), errors: None, chi2, pixels: None });
     let told = Report { trail: &past.collect::<Vec<_>>(), unit: "evaluation", ..told(&answer, best.chi2) };
     write(path, told, search.unknown(), photo, console)
 }

@@ -68,7 +68,7 @@ pub struct Course<'a> {
 /// The moments at which the best so far was found.
 pub fn best(trail: &[Moment]) -> Vec<usize> {
     let mut least = f64::INFINITY;
-    (0..trail.len()).filter(|&i| trail[i].chi2.is_some_and(|c| c < least && std::mem::replace(&mut least, c) > c)).collect()
+    (0..trail.len()).filter(|&i| trail[i].misfit().is_some_and(|c| c < least && std::mem::replace(&mut least, c) > c)).collect()
 }
 
 impl Course<'_> {
