@@ -245,6 +245,14 @@ impl Arguments {
         }
     }
 
+    /// What was said of the way to search that is of no use where no candidate is judged: a recovery from a picture.
+    pub fn idle(&self) -> Vec<&'static str> {
+        let SearchOptions { steps, stages, residuals, no_polish, .. } = &self.search;
+        let said =
+            [("--steps", steps.is_some()), ("--stages", *stages > 1), ("--residuals", residuals.is_some()), ("--no-polish", *no_polish)];
+        said.into_iter().filter_map(|(option, said)| said.then_some(option)).collect()
+    }
+
     /// How to search.
     pub fn options(&self) -> Result<Options> {
         let search = &self.search;
@@ -308,6 +316,7 @@ mod tests {
         assert_eq!(wishes.tied, [["red", "green", "blue"]]);
         assert_eq!(wishes.groups, [vec!["rgb"], vec!["spec", "rough"]]);
         assert_eq!(arguments.options().unwrap().steps, 9);
+        assert_eq!((arguments.idle(), typed("anneal s.rad").unwrap().idle()), (vec!["--steps"], vec![]));
         assert!(typed("anneal s.rad --param rough=1").unwrap_err().message.contains("write NAME=START:LOW:HIGH"));
         assert!(typed("anneal s.rad --no-polish --tolerance .1").unwrap().options().unwrap_err().message.contains("give one of them"));
     }
