@@ -56,6 +56,11 @@ impl<'a> Stage<'a> {
         exposed(std::array::from_fn(|c| cubic(&self.roots, a[c].clamp(0.0, 1.0).sqrt())), self.unknown.exposures(values))
     }
 
+    /// The place of the index among the parameters, if it is one.
+    fn slot(&self) -> Option<usize> {
+        self.unknown.slots().get(3).copied().flatten()
+    }
+
     fn index(&self, values: &[f64]) -> f64 {
         let a = self.unknown.reals(values);
         a.get(3).map_or(GLASS_INDEX, |n| n + a.get(4).map_or(0.0, |h| h / 500.0))
@@ -79,10 +84,14 @@ impl Model for Stage<'_> {
 
     fn trusted(&self, values: &[f64]) -> Vec<f64> {
         let mut values = values.to_vec();
-        if let Some(i) = self.unknown.slots().get(3).copied().flatten() {
+        if let Some(i) = self.slot() {
             values[i] = values[i].clamp(self.indices[0], self.indices[self.indices.len() - 1]);
         }
         values
+    }
+
+    fn holds(&self, values: &[f64]) -> bool {
+        self.slot().is_none_or(|i| values[i] > self.indices[0] && values[i] < self.indices[self.indices.len() - 1])
     }
 }
 
@@ -159,15 +168,13 @@ pub fn recover(
             Some(i) => close(best.values[i]),
             None => vec![fixed],
         };
-        let (first, end) = (indices[0], indices[indices.len() - 1]);
         let mut stage = Stage::new(evidence, unknown, material, indices);
         let found = Look { evidence, pixels, parameters: unknown.parameters(), bounds: &bounds, effort: &effort }.at(
             &mut stage,
             &best.values,
             &mut seeds,
         );
-        let inside = slot.is_none_or(|i| found.values[i] > first && found.values[i] < end);
-        if inside || effort.late() || look == MOST_LOOKS {
+        if stage.holds(&found.values) || effort.late() || look == MOST_LOOKS {
             return Ok(found);
         }
         best = Point { values: found.values.clone(), chi2: found.chi2 };

@@ -23,6 +23,9 @@ pub trait Model: Sync {
 
     /// The nearest values at which the model can be trusted.
     fn trusted(&self, values: &[f64]) -> Vec<f64>;
+
+    /// Whether values lie well inside of where it can be: if not, they had better be looked at by a model around them.
+    fn holds(&self, values: &[f64]) -> bool;
 }
 
 /// The fewest and the most samples of a pixel in each half of a round, whatever its share.
@@ -75,7 +78,7 @@ impl Look<'_> {
             let sheet = Sheet::new(self.evidence, &pixels[..count as usize]);
             let (found, influence) = self.fit(&sheet, model, &basis, &best);
             (self.effort.told)(&found);
-            let strayed = model.trusted(&found.values) != found.values;
+            let strayed = !model.holds(&found.values);
             let budget = if self.effort.tolerance.is_none() { BUDGET / each / count } else { f64::INFINITY };
             let time = self.effort.until.map_or(f64::INFINITY, |until| {
                 until.saturating_duration_since(Instant::now()).as_secs_f64() / begin.elapsed().as_secs_f64()

@@ -63,14 +63,6 @@ impl<'a> Stage<'a> {
         Self { evidence, unknown, kind, grid, what: transport::Unknown::Rough(Box::new(rough)) }
     }
 
-    /// Whether the roughnesses of the values lie well inside the nodes.
-    fn holds(&self, values: &[f64]) -> bool {
-        self.axes().all(|(axis, slot)| {
-            let (a, grid) = (values[slot].abs(), &self.grid[axis]);
-            a <= SMOOTHEST || a > grid[1] && a < grid[grid.len() - 2]
-        })
-    }
-
     /// The axes whose roughness is unknown, and its place among the parameters.
     fn axes(&self) -> impl Iterator<Item = (usize, usize)> {
         let count = if self.kind.anisotropic { 2 } else { 1 };
@@ -112,6 +104,13 @@ impl Model for Stage<'_> {
             values[slot] = values[slot].clamp(self.grid[axis][0], self.grid[axis][self.grid[axis].len() - 1]);
         }
         values
+    }
+
+    fn holds(&self, values: &[f64]) -> bool {
+        self.axes().all(|(axis, slot)| {
+            let (a, grid) = (values[slot].abs(), &self.grid[axis]);
+            a <= SMOOTHEST || a > grid[1] && a < grid[grid.len() - 2]
+        })
     }
 }
 
