@@ -82,6 +82,12 @@ fn a_state_is_not_taken_for_another_recovery() {
     done(path, &format!("{ASKED} start.rad"));
     assert!(trouble(path, &format!("{ASKED} --fix rough start.rad")).contains("state: it keeps a recovery with other options; remove it"));
     assert!(trouble(path, &format!("{ASKED} --seed 1 start.rad")).contains("other options"));
+    // A round that knows the errors of some values only.
+    let mut state: serde_json::Value = serde_json::from_slice(&fs::read(path.join("state")).unwrap()).unwrap();
+    state["rounds"][1]["errors"].as_array_mut().unwrap().pop();
+    fs::write(path.join("bent"), state.to_string()).unwrap();
+    let bent = ASKED.replace("state state", "state bent");
+    assert!(trouble(path, &format!("{bent} --report page.html start.rad")).contains("bent: not a recovery that anneal keeps (its parts"));
     fs::write(path.join("scene.rad"), SCENE.replace("200", "201")).unwrap();
     assert!(trouble(path, &format!("{ASKED} start.rad")).contains("state: it keeps a recovery from other files"));
     fs::write(path.join("state"), "{}").unwrap();

@@ -61,8 +61,8 @@ impl Kept {
         let trouble = |what: &str| Error::new(format!("{}: {what}; {remedy}", path.display()));
         let kept: Self = serde_json::from_slice(&file(path)?).map_err(|e| trouble(&format!("not a recovery that anneal keeps ({e})")))?;
         let n = kept.values.len();
-        if ![&kept.covariance, &kept.own, &kept.common].iter().all(|m| m.is_finite_of(n)) || kept.rounds.iter().any(|r| r.values.len() != n)
-        {
+        let fits = |round: &Moment| round.values.len() == n && round.errors.as_ref().is_none_or(|errors| errors.len() == n);
+        if !kept.is_finite() || !kept.rounds.iter().all(fits) {
             return Err(trouble("not a recovery that anneal keeps (its parts contradict each other)"));
         }
         match (kept.asked.options == asked.options, kept.asked.read == asked.read) {
@@ -96,11 +96,16 @@ impl Kept {
             rounds: trail.moments().clone(),
         };
         // What is infinite no file keeps: then the same command does it again.
-        if ![&kept.covariance, &kept.own, &kept.common].iter().all(|m| m.is_finite_of(kept.values.len())) {
+        if !kept.is_finite() {
             return Ok(());
         }
         let text = serde_json::to_vec(&kept).map_err(|e| Error::new(format!("{}: {e}", path.display())))?;
         Output::whole(Some(path), &text)
+    }
+
+    /// Whether what is known of the errors of the values is of as many of them, and finite.
+    fn is_finite(&self) -> bool {
+        [&self.covariance, &self.own, &self.common].iter().all(|matrix| matrix.is_finite_of(self.values.len()))
     }
 
     /// What was found, and how.

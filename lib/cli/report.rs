@@ -53,7 +53,8 @@ impl Trail {
         let named =
             |numbers: &[f64]| self.names.iter().cloned().zip(numbers.iter().map(|x| (*x).into())).collect::<serde_json::Map<_, _>>();
         let line = serde_json::json!({
-            "round": round, "chi2": moment.chi2, "pixels": moment.pixels, "values": named(&moment.values), "errors": moment.errors.as_deref().map(named),
+            "round": round, "chi2": moment.chi2, "pixels": moment.pixels,
+            "values": named(&moment.values), "errors": moment.errors.as_deref().map(named),
         });
         if log.1.is_ok() {
             log.1 = log.0.write(&format!("{line}\n"));
