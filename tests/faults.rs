@@ -272,7 +272,7 @@ fn soak(directory: &Path, count: u64, words: &[&str]) {
     }
     let done = child.wait_with_output().unwrap();
     assert!(done.status.success(), "{}", said(&done));
-    let most = |sizes: &[u64]| sizes.iter().copied().max().unwrap_or(0);
+    let most = |sizes: &[u64]| *sizes.iter().max().unwrap();
     let (early, late) = (most(&seen[..seen.len().div_ceil(5)]), most(&seen));
     eprintln!("{steps} steps of {} in {:.1?}: {early} KiB in the first fifth, {late} KiB at most", words[5], begin.elapsed());
     // What is kept of an evaluation is some hundred bytes.
