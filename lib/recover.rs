@@ -96,9 +96,9 @@ impl Effort<'_> {
 
     /// Whether a recovery is as good as is wished for, or as the picture allows; `before` is what fewer samples of the whole picture gave.
     fn contents(&self, parameters: &[Parameter], found: &Recovery, before: Option<&Recovery>) -> bool {
-        let change = |i: usize| before.map_or(0.0, |before| found.covariance.at(i, i) / before.covariance.at(i, i));
-        let gained = |i: usize| !(GAIN..1.0 / GAIN).contains(&change(i));
-        let settled = |i: usize| self.tolerance.is_none() && found.own.at(i, i) <= OWN * found.covariance.at(i, i) && !gained(i);
+        let steady =
+            |i: usize| before.is_some_and(|before| (GAIN..1.0 / GAIN).contains(&(found.covariance.at(i, i) / before.covariance.at(i, i))));
+        let settled = |i: usize| self.tolerance.is_none() && found.own.at(i, i) <= OWN * found.covariance.at(i, i) && steady(i);
         let near = |(i, p): (usize, &Parameter)| found.covariance.at(i, i).sqrt() <= self.near(p, found.values[i]) || settled(i);
         parameters.iter().enumerate().all(near)
     }

@@ -56,11 +56,6 @@ impl<'a> Stage<'a> {
         exposed(std::array::from_fn(|c| cubic(&self.roots, a[c].clamp(0.0, 1.0).sqrt())), self.unknown.exposures(values))
     }
 
-    /// The place of the index among the parameters, if it is one.
-    fn slot(&self) -> Option<usize> {
-        self.unknown.slots().get(3).copied().flatten()
-    }
-
     fn index(&self, values: &[f64]) -> f64 {
         let a = self.unknown.reals(values);
         a.get(3).map_or(GLASS_INDEX, |n| n + a.get(4).map_or(0.0, |h| h / 500.0))
@@ -84,22 +79,26 @@ impl Model for Stage<'_> {
 
     fn trusted(&self, values: &[f64]) -> Vec<f64> {
         let mut values = values.to_vec();
-        if let Some(i) = self.slot() {
+        if let Some(i) = slot(self.unknown) {
             values[i] = values[i].clamp(self.indices[0], self.indices[self.indices.len() - 1]);
         }
         values
     }
 
     fn holds(&self, values: &[f64]) -> bool {
-        self.slot().is_none_or(|i| values[i] > self.indices[0] && values[i] < self.indices[self.indices.len() - 1])
+        slot(self.unknown).is_none_or(|i| values[i] > self.indices[0] && values[i] < self.indices[self.indices.len() - 1])
     }
 }
 
 /// A model near the starting values.
 pub fn near_start<'a>(evidence: &'a Evidence<'a>, unknown: &'a Unknown, material: MaterialId) -> impl Model + 'a {
     let index = unknown.reals(&unknown.start()).get(3).copied().unwrap_or(GLASS_INDEX);
-    let free = unknown.slots().get(3).is_some_and(Option::is_some);
-    Stage::new(evidence, unknown, material, if free { close(index) } else { vec![index] })
+    Stage::new(evidence, unknown, material, if slot(unknown).is_some() { close(index) } else { vec![index] })
+}
+
+/// The place of the index among the parameters, if it is one.
+fn slot(unknown: &Unknown) -> Option<usize> {
+    unknown.slots().get(3).copied().flatten()
 }
 
 /// Indices to look at the pixels with.
@@ -119,7 +118,7 @@ pub fn recover(
     let parameters = unknown.parameters();
     let sheet = Sheet::new(evidence, pixels);
     let mut seeds = Seeds::new(effort.seed);
-    let slot = unknown.slots().get(3).copied().flatten();
+    let slot = slot(unknown);
     let start = unknown.start();
     let fixed = unknown.reals(&start).get(3).copied().unwrap_or(GLASS_INDEX);
     let (low, high) = slot.map_or((fixed, fixed), |i| (parameters[i].low.max(LEAST_INDEX), parameters[i].high.max(LEAST_INDEX)));

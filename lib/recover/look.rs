@@ -91,8 +91,8 @@ impl Look<'_> {
             }
             best.clone_from(&found.values);
             model.tune(&best, Some(&found.errors()));
-            before = (count == all).then_some(found.clone());
             let growth = (self.effort.lack(self.parameters, &found) - 1.0).max(GROWTH.0).min(most);
+            before = (count == all).then_some(found);
             if count < all {
                 let more = (count * (1.0 + growth)).floor().min(all);
                 basis.append(trace(model, &pixels[count as usize..more as usize], each, seeds));
@@ -102,8 +102,8 @@ impl Look<'_> {
                 each += mean;
                 let samples = shared(mean, &influence);
                 let more = model.trace(&pixels, &samples, seeds.next());
-                let [before, now] = [&basis, &more].map(|basis| disturbance(&influence, &basis.samples));
-                basis.join(&more, (before / (before + now)) as f32);
+                let [first, further] = [&basis, &more].map(|basis| disturbance(&influence, &basis.samples));
+                basis.join(&more, (first / (first + further)) as f32);
             }
         }
         unreachable!("a look has rounds")
@@ -138,9 +138,9 @@ impl Look<'_> {
         }
         let wished: Vec<f64> = self.parameters.iter().zip(&values).map(|(p, value)| self.effort.near(p, *value)).collect();
         let influence = influence(&now, &weights, &variance, &wished);
-        let (covariance, own) = now.covariances();
         let losses = if self.effort.quick { now.losses(&sheet.relative()) } else { vec![] };
-        (Recovery { values, covariance, own, common: now.common(), chi2: now.chi2(), pixels: sheet.numbers.len(), losses }, influence)
+        let (common, chi2, pixels) = (now.common(), now.chi2(), sheet.numbers.len());
+        (Recovery { values, covariance: now.covariance, own: now.own, common, chi2, pixels, losses }, influence)
     }
 }
 

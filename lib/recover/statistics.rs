@@ -173,8 +173,10 @@ pub struct Scores<'a> {
     inverse: Option<Vec<Vec<f64>>>,
     /// What is known before of each parameter: one over the variance of a value anywhere between its bounds.
     prior: Vec<f64>,
-    /// Standard errors.
-    errors: Vec<f64>,
+    /// Covariance of the values, by all that makes the residuals.
+    pub covariance: Symmetric,
+    /// The part of it that the noise of the rendering makes.
+    pub own: Symmetric,
 }
 
 impl<'a> Scores<'a> {
@@ -190,8 +192,10 @@ impl<'a> Scores<'a> {
     ) -> Self {
         let trust = derivatives.par_iter().map(|d| trust(sheet, weights, d)).collect();
         let prior = bounds.iter().map(|(low, high)| 12.0 / (high - low).powi(2).max(f64::MIN_POSITIVE)).collect();
-        let mut scores = Self { sheet, weights, halves, derivatives, trust, forward: None, inverse: None, prior, errors: vec![] };
-        let n = scores.derivatives.len();
+        let n = derivatives.len();
+        let unknown = Symmetric::diagonal(&vec![f64::INFINITY; n]);
+        let (covariance, own) = (unknown.clone(), unknown);
+        let mut scores = Self { sheet, weights, halves, derivatives, trust, forward: None, inverse: None, prior, covariance, own };
         let mut slopes: Vec<Vec<f64>> = (0..n).map(|i| (0..n).map(|j| scores.slope(i, j)).collect()).collect();
         for i in 0..n {
             slopes[i][i] += scores.prior[i];
@@ -199,7 +203,9 @@ impl<'a> Scores<'a> {
         }
         scores.forward = curvature.inverse();
         scores.inverse = scores.forward.as_ref().map(|forward| landweber(forward, &slopes));
-        scores.errors = scores.covariances().0.deviations();
+        if let Some(inverse) = &scores.inverse {
+            (scores.covariance, scores.own) = scores.covariances(inverse);
+        }
         scores
     }
 
@@ -238,7 +244,7 @@ impl<'a> Scores<'a> {
 
     /// The largest part of a step, in standard errors.
     pub fn length(&self, step: &[f64]) -> f64 {
-        step.iter().zip(&self.errors).map(|(s, e)| s.abs() / e.max(1e-12)).fold(0.0, f64::max)
+        step.iter().zip(self.covariance.deviations()).map(|(s, e)| s.abs() / e.max(1e-12)).fold(0.0, f64::max)
     }
 
     /// χ² of equation 11, without what the noise of the rendering adds to it.
@@ -256,12 +262,8 @@ impl<'a> Scores<'a> {
     /// Covariances of the values: by all that makes the residuals, and by the noise of the rendering alone.
     ///
     /// The sandwich form (White 1980), the scores summed per pixel over the channels, whose errors go together.
-    pub fn covariances(&self) -> (Symmetric, Symmetric) {
+    fn covariances(&self, inverse: &[Vec<f64>]) -> (Symmetric, Symmetric) {
         let n = self.derivatives.len();
-        let Some(inverse) = &self.inverse else {
-            let nothing = Symmetric::diagonal(&vec![f64::INFINITY; n]);
-            return (nothing.clone(), nothing);
-        };
         let (mut all, mut own) = (Symmetric::diagonal(&vec![0.0; n]), Symmetric::diagonal(&vec![0.0; n]));
         let add = |sum: &mut Symmetric, score: &[f64]| add_square(sum, &times(inverse, score));
         // What as many steps again would do is not known either.
