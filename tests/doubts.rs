@@ -1,8 +1,8 @@
 //! anneal says what a picture cannot tell: values with the digits that they deserve, and a warning for what is not determined.
 
-use std::fs;
-use std::path::Path;
-use std::process::{Command, Output};
+mod photograph;
+
+use photograph::{photographed, run};
 
 /// A ball alone, and one that a box and a cone shade and are mirrored in.
 const BALL: &str = "it sphere s 0 0 4 0 0 0 1\n";
@@ -12,21 +12,10 @@ const STILL: &str = "it sphere s 0 0 4 0 0 0 .6\n!genbox it b 1 1 .5 | xform -t 
 const UNIFORM: &str = "void glow even 0 0 4 1 1 1 0\neven source sky 0 0 4 0 0 1 360\n";
 const LAMP: &str = "void light bulb 0 0 3 300 300 300\nbulb sphere lamp 0 0 4 -3 -4 4 .3\n";
 
-fn run(program: &str, directory: &Path, arguments: &str) -> Output {
-    Command::new(program).current_dir(directory).args(arguments.split_whitespace()).output().unwrap()
-}
-
 /// What is said of a picture of `scene` made of `material`: the comment lines, and the warnings on standard error.
 fn told(material: &str, scene: &str) -> (Vec<String>, Vec<String>) {
-    let directory = tempfile::tempdir().unwrap();
-    let path = directory.path();
-    let kind = material.split(' ').next().unwrap();
-    fs::write(path.join("start.rad"), format!("void {kind} it 0 0 5 .5 .5 .5 .1 .1\n")).unwrap();
-    fs::write(path.join("true.rad"), format!("void {material}\n")).unwrap();
-    fs::write(path.join("scene.rad"), scene).unwrap();
-    let view = "-vp 0 -5 1 -vd 0 1 -.2 -vh 26 -vv 26 -x 48 -y 48 --spp 128 --seed 5 -ab 2 -o target.hdr true.rad scene.rad";
-    assert!(run(env!("CARGO_BIN_EXE_rtrace-rs"), path, view).status.success());
-    let done = run(env!("CARGO_BIN_EXE_anneal"), path, "-ab 2 --scene scene.rad --target target.hdr start.rad");
+    let directory = photographed(material, scene, "-x 48 -y 48 --spp 128 --seed 5 -ab 2 -o target.hdr");
+    let done = run(env!("CARGO_BIN_EXE_anneal"), directory.path(), "-ab 2 --scene scene.rad --target target.hdr start.rad");
     assert_eq!(done.status.code(), Some(0));
     let lines = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap().lines().map(String::from).collect::<Vec<_>>();
     let (out, said) = (lines(done.stdout), lines(done.stderr));

@@ -1,34 +1,25 @@
 //! An exposure, or a white balance, as one more unknown of anneal; and what it leaves open.
 
+mod photograph;
+
 use inverad::picture::Picture;
+use photograph::{photographed, run};
 use std::fs;
-use std::path::Path;
-use std::process::{Command, Output};
 
 const SCENE: &str = "void brightfunc wave 2 1+.8*sin(9*Dx)*sin(7*Dz+Dy) . 0 0\nwave glow sky 0 0 4 1 1.1 1.2 0\nsky source sky 0 0 4 0 0 1 360\n\
                      void light bulb 0 0 3 200 200 200\nbulb sphere lamp 0 0 4 -3 -4 4 .3\nit sphere s 0 0 4 0 0 0 1\n";
 
-fn run(program: &str, directory: &Path, arguments: &str) -> Output {
-    Command::new(program).current_dir(directory).args(arguments.split_whitespace()).output().unwrap()
-}
-
 /// What is said of a picture of something made of `material` that is brighter than the scene by `factors`.
 fn told(material: &str, factors: [f32; 3], options: &str) -> String {
-    let directory = tempfile::tempdir().unwrap();
+    let view = "-x 40 -y 40 --spp 300 --seed 5 -ab 1 -o target.exr";
+    let directory = photographed(material, SCENE, view);
     let path = directory.path();
-    let kind = material.split(' ').next().unwrap();
-    fs::write(path.join("start.rad"), format!("void {kind} it 0 0 5 .5 .5 .5 .1 .1\n")).unwrap();
-    fs::write(path.join("true.rad"), format!("void {material}\n")).unwrap();
-    fs::write(path.join("scene.rad"), SCENE).unwrap();
-    let view = "-vp 0 -5 1 -vd 0 1 -.2 -vh 26 -vv 26 -x 40 -y 40 --spp 300 --seed 5 -ab 1 -o target.exr true.rad scene.rad";
-    assert!(run(env!("CARGO_BIN_EXE_rtrace-rs"), path, view).status.success());
     let mut picture = Picture::read(&fs::read(path.join("target.exr")).unwrap(), "target.exr").unwrap();
     picture.pixels.iter_mut().for_each(|p| (0..3).for_each(|c| p[c] *= factors[c]));
     fs::write(path.join("target.exr"), picture.write_exr().unwrap()).unwrap();
     // Pixels that the ball covers wholly.
-    let cover = view.replace("target.exr", "mask.exr --coverage it");
-    assert!(run(env!("CARGO_BIN_EXE_rtrace-rs"), path, &cover).status.success());
-    let mut mask = Picture::read(&fs::read(path.join("mask.exr")).unwrap(), "mask.exr").unwrap();
+    let covered = photographed(material, SCENE, &view.replace("target.exr", "mask.exr --coverage it"));
+    let mut mask = Picture::read(&fs::read(covered.path().join("mask.exr")).unwrap(), "mask.exr").unwrap();
     mask.pixels.iter_mut().flatten().for_each(|v| *v = (*v > 0.999) as u8 as f32);
     fs::write(path.join("mask.exr"), mask.write_exr().unwrap()).unwrap();
     let done = run(env!("CARGO_BIN_EXE_anneal"), path, &format!("-ab 1 --scene scene.rad --target target.exr {options} start.rad"));

@@ -2,6 +2,9 @@
 
 #![cfg(unix)]
 
+mod photograph;
+
+use photograph::photographed;
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -13,17 +16,9 @@ const SCENE: &str = "void light bulb 0 0 3 200 200 200\nbulb sphere lamp 0 0 4 -
                      even source sky 0 0 4 0 0 1 360\nit sphere s 0 0 4 0 0 0 1\n";
 const ASKED: &str = "-ab 1 --scene scene.rad --target target.hdr --state state --log log.jsonl";
 
-/// A directory with a photograph in it, and the scene.
-fn photographed() -> TempDir {
-    let directory = tempfile::tempdir().unwrap();
-    let path = directory.path();
-    fs::write(path.join("start.rad"), "void plastic it 0 0 5 .5 .5 .5 .1 .1\n").unwrap();
-    fs::write(path.join("true.rad"), "void plastic it 0 0 5 .6 .4 .2 .1 .15\n").unwrap();
-    fs::write(path.join("scene.rad"), SCENE).unwrap();
-    let view = "-vp 0 -5 1 -vd 0 1 -.2 -vh 26 -vv 26 -x 40 -y 40 --spp 100 -ab 1 -o target.hdr true.rad scene.rad";
-    let words = view.split(' ').collect::<Vec<_>>();
-    assert!(Command::new(env!("CARGO_BIN_EXE_rtrace-rs")).current_dir(path).args(words).status().unwrap().success());
-    directory
+/// A directory with a photograph of a ball in it.
+fn ball() -> TempDir {
+    photographed("plastic it 0 0 5 .6 .4 .2 .1 .15", SCENE, "-x 40 -y 40 --spp 100 -ab 1 -o target.hdr")
 }
 
 fn anneal(directory: &Path, arguments: &str) -> Command {
@@ -48,7 +43,7 @@ fn trouble(directory: &Path, arguments: &str) -> String {
 
 #[test]
 fn a_killed_recovery_ends_at_the_same_bytes_and_a_finished_one_is_not_done_again() {
-    let directory = photographed();
+    let directory = ball();
     let path = directory.path();
     let (whole, log, long) = done(path, &format!("{ASKED} start.rad"));
     fs::remove_file(path.join("state")).unwrap();
@@ -77,7 +72,7 @@ fn a_killed_recovery_ends_at_the_same_bytes_and_a_finished_one_is_not_done_again
 
 #[test]
 fn a_state_is_not_taken_for_another_recovery() {
-    let directory = photographed();
+    let directory = ball();
     let path = directory.path();
     done(path, &format!("{ASKED} start.rad"));
     assert!(trouble(path, &format!("{ASKED} --fix rough start.rad")).contains("state: it keeps a recovery with other options; remove it"));
@@ -96,7 +91,7 @@ fn a_state_is_not_taken_for_another_recovery() {
 
 #[test]
 fn the_type_that_was_chosen_is_kept_too() {
-    let directory = photographed();
+    let directory = ball();
     let asked = format!("{ASKED} --type auto start.rad");
     let (first, ..) = done(directory.path(), &asked);
     assert!(first.starts_with("# type plastic"), "{first}");

@@ -1,0 +1,25 @@
+//! A picture of a known material, and the files that a recovery of it begins with.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+use tempfile::TempDir;
+
+/// Runs a program in a directory.
+pub fn run(program: &str, directory: &Path, arguments: &str) -> Output {
+    Command::new(program).current_dir(directory).args(arguments.split_whitespace()).output().unwrap()
+}
+
+/// A directory with `scene.rad`, with `true.rad`, the `material` without its `void`, with `start.rad`, another of its type, and with the
+/// picture that the options `view` make.
+pub fn photographed(material: &str, scene: &str, view: &str) -> TempDir {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path();
+    let kind = material.split(' ').next().unwrap();
+    fs::write(path.join("start.rad"), format!("void {kind} it 0 0 5 .5 .5 .5 .1 .1\n")).unwrap();
+    fs::write(path.join("true.rad"), format!("void {material}\n")).unwrap();
+    fs::write(path.join("scene.rad"), scene).unwrap();
+    let arguments = format!("-vp 0 -5 1 -vd 0 1 -.2 -vh 26 -vv 26 {view} true.rad scene.rad");
+    assert!(run(env!("CARGO_BIN_EXE_rtrace-rs"), path, &arguments).status.success());
+    directory
+}
