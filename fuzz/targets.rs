@@ -16,8 +16,10 @@ use inverad::expand::{expand, expand_all_errors};
 use inverad::geometry::Ray;
 use inverad::import;
 use inverad::integrator::{Integrator, Radiance};
-use inverad::picture::{Picture, exr, hdr};
+use inverad::picture::{Picture, exr, exr::Planes, hdr};
 use inverad::rad::{Document, decode};
+use inverad::rays::{Form, Reader};
+use inverad::render;
 use inverad::resolve::Files;
 use inverad::rules::Rules;
 use inverad::sampling::Sampler;
@@ -31,7 +33,7 @@ use std::sync::Arc;
 pub type Target = (&'static str, fn(&[u8]));
 
 /// All of them.
-pub const ALL: [Target; 11] = [
+pub const ALL: [Target; 13] = [
     ("hdr", hdr),
     ("exr", exr),
     ("rad", rad),
@@ -42,6 +44,8 @@ pub const ALL: [Target; 11] = [
     ("view", view),
     ("state", state),
     ("arguments", arguments),
+    ("rays", rays),
+    ("parts", parts),
     ("scene", scene),
 ];
 
@@ -213,6 +217,28 @@ pub fn arguments(data: &[u8]) {
             let none = |name: &str| Err(Error::new(format!("{name}: no such file")));
             (a.accuracy.budget(), a.light.rules(&none))
         })),
+    }
+}
+
+/// Rays on standard input: the first byte chooses their form.
+pub fn rays(data: &[u8]) {
+    let Some((&form, stream)) = data.split_first() else { return };
+    let mut reader = Reader::new(stream, [Form::Ascii, Form::Single, Form::Double][form as usize % 3]);
+    loop {
+        match reader.read() {
+            Ok(Some(ray)) => assert!(ray.iter().all(|v| v.is_finite()), "{ray:?}"),
+            Ok(None) => return,
+            Err(error) => return shown(&[error]),
+        }
+    }
+}
+
+/// Parts of a rendering, joined: what they give is as large as they say.
+pub fn parts(data: &[u8]) {
+    let part = Planes::read(&[&exr::MAGIC, data].concat(), "a.exr").map(|planes| ("a.exr".to_string(), planes));
+    match render::join([part].into_iter()) {
+        Ok((width, height, _, rendering)) => assert_eq!(rendering.pixels.len(), width * height),
+        Err(error) => shown(&[error]),
     }
 }
 
