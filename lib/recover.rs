@@ -94,10 +94,11 @@ impl Effort<'_> {
         })
     }
 
-    /// Whether a recovery is as good as is wished for, or as the picture allows; `before` is what fewer samples of the whole picture gave.
-    fn contents(&self, parameters: &[Parameter], found: &Recovery, before: Option<&Recovery>) -> bool {
-        let steady =
-            |i: usize| before.is_some_and(|before| (GAIN..1.0 / GAIN).contains(&(found.covariance.at(i, i) / before.covariance.at(i, i))));
+    /// Whether a recovery is as good as is wished for, or as the picture allows; `before` is what fewer samples of the whole picture gave, twice
+    /// at the least if it is to tell: once it may be chance.
+    fn contents(&self, parameters: &[Parameter], found: &Recovery, before: &[Recovery]) -> bool {
+        let gain = |before: &Recovery, i: usize| found.covariance.at(i, i) / before.covariance.at(i, i);
+        let steady = |i: usize| before.len() > 1 && before.iter().rev().take(2).all(|before| (GAIN..1.0 / GAIN).contains(&gain(before, i)));
         let settled = |i: usize| self.tolerance.is_none() && found.own.at(i, i) <= OWN * found.covariance.at(i, i) && steady(i);
         let near = |(i, p): (usize, &Parameter)| found.covariance.at(i, i).sqrt() <= self.near(p, found.values[i]) || settled(i);
         parameters.iter().enumerate().all(near)
@@ -122,8 +123,8 @@ impl Effort<'_> {
 /// of itself, down to the last.
 const NEAR: f64 = 0.002;
 const NEAR_INDEX: f64 = 0.0003;
-const NEAR_ROUGHNESS: f64 = 0.016;
-const NEAREST_ROUGHNESS: f64 = 0.0001;
+const NEAR_ROUGHNESS: f64 = 0.0135;
+const NEAREST_ROUGHNESS: f64 = 0.0002;
 
 /// Or what the picture allows: the part of a variance that the rendering may make.
 const OWN: f64 = 0.25;

@@ -52,10 +52,28 @@ pub struct Basis {
     pub sets: usize,
     /// Columns of a channel: [`Unknown::columns`].
     pub columns: usize,
-    /// Samples of each pixel in each set; of several tracings, the number of equal worth.
+    /// Samples, pixel by pixel, in each set by set.
     pub samples: Vec<f32>,
     /// Pixel by pixel, in each set by set, in each channel by channel, in each column by column: the mean over the samples of the set.
     pub values: Vec<f32>,
+    /// Pixel by pixel, in each set by set: the variance of red, green and blue of a sample, in the picture that was asked for ([`Pixels::picture`]).
+    pub variances: Vec<[f32; 3]>,
+}
+
+/// A picture: what its red, green and blue take of the columns of a basis.
+pub struct Mixture([Vec<(usize, f64)>; 3]);
+
+impl Mixture {
+    /// The mixture with these coefficients of the columns of each channel. What is 0 costs nothing.
+    pub fn new(x: &[Vec<f64>; 3]) -> Self {
+        let before = [0, x[0].len(), x[0].len() + x[1].len()];
+        Self(std::array::from_fn(|c| x[c].iter().enumerate().filter(|(_, v)| **v != 0.0).map(|(i, v)| (before[c] + i, *v)).collect()))
+    }
+
+    /// The pixel with these columns of all channels.
+    pub fn of(&self, columns: &[f32]) -> [f64; 3] {
+        self.0.each_ref().map(|terms| terms.iter().map(|&(i, v)| v * columns[i] as f64).sum())
+    }
 }
 
 impl Basis {
@@ -70,25 +88,34 @@ impl Basis {
         let (sets, columns) = (parts[0].sets, parts.iter().map(|p| p.columns).sum());
         let rows = parts[0].values.len() / parts[0].columns;
         let row = |row: usize| parts.iter().flat_map(move |p| &p.values[row * p.columns..(row + 1) * p.columns]);
-        Self { sets, columns, samples: parts[0].samples.clone(), values: (0..rows).flat_map(row).copied().collect() }
+        // The picture is the mean of those of the parts.
+        let variance =
+            |i: usize| std::array::from_fn(|c| parts.iter().map(|p| p.variances[i][c]).sum::<f32>() / (parts.len() as f32).powi(2));
+        let variances = (0..parts[0].variances.len()).map(variance).collect();
+        Self { sets, columns, samples: parts[0].samples.clone(), values: (0..rows).flat_map(row).copied().collect(), variances }
     }
 
     /// Takes in the same basis of further pixels.
     pub fn append(&mut self, other: Self) {
         self.samples.extend(other.samples);
         self.values.extend(other.values);
+        self.variances.extend(other.variances);
     }
 
-    /// Takes in another tracing of the same pixels, with a part `weight` of the whole. The part is the same for all: a
-    /// pixel that counts less of the first tracing because that was bright there would end up too dark.
-    pub fn join(&mut self, other: &Self, weight: f32) {
-        let (kept, taken) = (1.0 - weight, weight);
-        self.values.par_chunks_mut(4096).zip(other.values.par_chunks(4096)).for_each(|(mine, others)| {
-            mine.iter_mut().zip(others).for_each(|(m, o)| *m = kept * *m + taken * *o);
-        });
-        for (mine, other) in self.samples.iter_mut().zip(&other.samples) {
-            *mine = 1.0 / (kept * kept / *mine + taken * taken / other);
-        }
+    /// Takes in the samples of another tracing of the same pixels. How many a set of a pixel was given must not depend on what samples of its own
+    /// found before: one that counts less of them because they were bright would end up too dark.
+    pub fn join(&mut self, other: &Self) {
+        let width = 3 * self.columns;
+        let rows = self.values.par_chunks_mut(width).zip(&mut self.variances).zip(&mut self.samples);
+        rows.zip(other.values.par_chunks(width)).zip(&other.variances).zip(&other.samples).for_each(
+            |(((((values, variance), samples), others), other_variance), other_samples)| {
+                let taken = other_samples / (*samples + other_samples).max(1.0);
+                let mix = |mine: &mut f32, other: &f32| *mine += taken * (other - *mine);
+                values.iter_mut().zip(others).for_each(|(mine, other)| mix(mine, other));
+                variance.iter_mut().zip(other_variance).for_each(|(mine, other)| mix(mine, other));
+                *samples += other_samples;
+            },
+        );
     }
 }
 
@@ -96,10 +123,12 @@ impl Basis {
 pub struct Pixels<'a> {
     /// The numbers of the pixels, as the lens knows them.
     pub numbers: &'a [usize],
-    /// How many samples each gets in each set.
+    /// How many samples each gets, pixel by pixel, in each set by set.
     pub samples: &'a [u32],
     /// The rays of a pixel.
     pub lens: Lens<'a>,
+    /// The picture whose variance is asked for: coefficients of the columns of each channel.
+    pub picture: Option<&'a [Vec<f64>; 3]>,
 }
 
 /// Traces the basis of some pixels, `sets` independent estimates of it. `seed` makes one tracing independent of another.
@@ -107,32 +136,41 @@ pub fn trace(world: &World, rules: &Rules, unknown: &Unknown, pixels: &Pixels, s
     let columns = unknown.columns();
     let width = sets * 3 * columns;
     let mut values = vec![0f32; pixels.numbers.len() * width];
+    let mut variances = vec![[0.0; 3]; pixels.numbers.len() * sets];
+    let mixture = pixels.picture.map(Mixture::new);
     // Few pixels at a time: some take much longer than others.
-    let work = values.par_chunks_mut(width * 8).zip(pixels.numbers.par_chunks(8)).zip(pixels.samples.par_chunks(8));
-    work.for_each(|((values, numbers), samples)| {
-        let pieces = numbers.iter().zip(samples).zip(values.chunks_exact_mut(width)).flat_map(|((&number, &samples), values)| {
-            values.chunks_exact_mut(3 * columns).enumerate().map(move |(set, columns)| Piece { number, set: set as u32, samples, columns })
+    let work = values.par_chunks_mut(width * 8).zip(variances.par_chunks_mut(sets * 8));
+    let work = work.zip(pixels.numbers.par_chunks(8)).zip(pixels.samples.par_chunks(sets * 8));
+    work.for_each(|(((values, variances), numbers), samples)| {
+        let sums = values.chunks_exact_mut(3 * columns).zip(variances).enumerate();
+        let pieces = sums.map(|(i, (columns, variance))| Piece {
+            number: numbers[i / sets],
+            set: (i % sets) as u32,
+            samples: samples[i],
+            columns,
+            variance,
         });
+        let mixture = mixture.as_ref();
         match unknown {
             Unknown::Rough(rough) if rough.nodes.len() <= LANES => {
-                follow(world, rules, pixels.lens, seed, pieces, |columns| rough::Tagging::<1> { rules, unknown: rough, columns });
+                follow(world, rules, pixels.lens, seed, pieces, mixture, |columns| rough::Tagging::<1> { rules, unknown: rough, columns });
             }
             Unknown::Rough(rough) if rough.nodes.len() <= 2 * LANES => {
-                follow(world, rules, pixels.lens, seed, pieces, |columns| rough::Tagging::<2> { rules, unknown: rough, columns });
+                follow(world, rules, pixels.lens, seed, pieces, mixture, |columns| rough::Tagging::<2> { rules, unknown: rough, columns });
             }
             Unknown::Rough(rough) => {
-                follow(world, rules, pixels.lens, seed, pieces, |columns| rough::Tagging::<{ MOST_NODES / LANES }> {
+                follow(world, rules, pixels.lens, seed, pieces, mixture, |columns| rough::Tagging::<{ MOST_NODES / LANES }> {
                     rules,
                     unknown: rough,
                     columns,
                 });
             }
             Unknown::Clear(clear) => {
-                follow(world, rules, pixels.lens, seed, pieces, |columns| clear::Dimming { rules, unknown: clear, columns });
+                follow(world, rules, pixels.lens, seed, pieces, mixture, |columns| clear::Dimming { rules, unknown: clear, columns });
             }
         }
     });
-    Basis { sets, columns, samples: pixels.samples.iter().map(|&n| n as f32).collect(), values }
+    Basis { sets, columns, samples: pixels.samples.iter().map(|&n| n as f32).collect(), values, variances }
 }
 
 /// One set of a pixel.
@@ -141,46 +179,56 @@ struct Piece<'c> {
     set: u32,
     samples: u32,
     columns: &'c mut [f32],
+    variance: &'c mut [f32; 3],
 }
 
 /// Traces pieces, with the transport that `transport` makes of their columns.
-fn follow<'c, T: Columns<'c>>(
+fn follow<'c, T: Columns>(
     world: &World,
     rules: &Rules,
     lens: Lens,
     seed: u64,
     pieces: impl Iterator<Item = Piece<'c>>,
+    mixture: Option<&Mixture>,
     transport: impl Fn(&'c mut [f32]) -> T,
 ) {
     let mut integrator = Integrator::<T::Beta>::new(world, rules);
     for piece in pieces {
         let mut transport = transport(piece.columns);
+        // The pixel so far, and the squares of what each sample added to it.
+        let (mut sum, mut squares) = ([0.0; 3], [0.0; 3]);
         for index in 0..piece.samples {
             let mut sampler = Sampler::new(seed, piece.number as u64, piece.set, index);
             let at = sampler.pair();
             if let Some((origin, direction, limit)) = lens(piece.number, at) {
                 integrator.trace(&mut transport, Ray { origin, direction }, limit, sampler);
             }
+            if let Some(mixture) = mixture {
+                let now = mixture.of(transport.columns());
+                (0..3).for_each(|c| squares[c] += (now[c] - sum[c]).powi(2));
+                sum = now;
+            }
         }
-        let scale = 1.0 / piece.samples.max(1) as f32;
-        transport.columns().iter_mut().for_each(|v| *v *= scale);
+        let n = piece.samples.max(1) as f64;
+        *piece.variance = std::array::from_fn(|c| ((squares[c] - sum[c] * sum[c] / n) / (n - 1.0).max(1.0)).max(0.0) as f32);
+        transport.columns().iter_mut().for_each(|v| *v /= n as f32);
     }
 }
 
 /// A transport that adds up columns.
-trait Columns<'c>: Transport {
+trait Columns: Transport {
     /// The columns.
-    fn columns(self) -> &'c mut [f32];
+    fn columns(&mut self) -> &mut [f32];
 }
 
-impl<'c, const L: usize> Columns<'c> for rough::Tagging<'c, L> {
-    fn columns(self) -> &'c mut [f32] {
+impl<const L: usize> Columns for rough::Tagging<'_, L> {
+    fn columns(&mut self) -> &mut [f32] {
         self.columns
     }
 }
 
-impl<'c> Columns<'c> for clear::Dimming<'c> {
-    fn columns(self) -> &'c mut [f32] {
+impl Columns for clear::Dimming<'_> {
+    fn columns(&mut self) -> &mut [f32] {
         self.columns
     }
 }

@@ -1,4 +1,4 @@
-"""Does --error keep what it promises? The knot of examples/demo in four materials, and in finer and coarser lobes, at five errors each.
+"""Does --error keep what it promises? The knot of examples/demo in eight materials, at five errors each.
 
 Usage: promise.py   (run by make; rtrace-rs on the PATH)
 The true error is that against a picture of 24 seconds with another seed, whose own error is subtracted. Prints a line for each picture: what
@@ -6,8 +6,7 @@ was asked for, what the picture says of itself (NOISE= in its header), what is t
 """
 
 import os, re, tempfile
-import numpy as np
-from tradeoff import DEMO, SIZE, hdr, run
+from tradeoff import DEMO, SIZE, hdr, relative, run
 
 MATERIALS = {
     "metal": "metal .8 .6 .3 .9 .01", "rough metal": "metal .8 .6 .3 .9 .2", "plastic": "plastic .7 .7 .7 .12 .125",
@@ -38,8 +37,7 @@ def main():
             best, rest = picture(material, "--time", "24", "--seed", "99")
             for asked in ERRORS:
                 light, said = picture(material, "--error", asked, "--seed", "7")
-                off = np.sqrt(np.mean((light - best)[shown] ** 2)) / np.mean(best[shown])
-                true = max(off**2 - rest**2, 0.0) ** 0.5
+                true = max(relative(light, best, shown) ** 2 - rest**2, 0.0) ** 0.5
                 print(f"{name:15} asked {asked:>4}  said {said:.4f}  true {true:.4f}  said/true {said / true:.2f}", flush=True)
                 kept += true <= float(asked)
                 honest += 1 / FACTOR <= said / true <= FACTOR

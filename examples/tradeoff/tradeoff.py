@@ -63,6 +63,11 @@ def hdr(data):
     return (rgb * (out[..., 3:] > 0)).reshape(-1, 3) @ [0.265, 0.670, 0.065]
 
 
+def relative(light, reference, mask):
+    """The RMS error within a mask, in terms of the mean of the reference there."""
+    return float(np.sqrt(np.mean((light - reference)[mask] ** 2)) / np.mean(reference[mask]))
+
+
 class Scene:
     """A scene, its view, what covers its pixels, and references."""
 
@@ -79,9 +84,7 @@ class Scene:
         return seconds, hdr(out)
 
     def error(self, light, pj="1", reference=None):
-        reference = self.reference[pj] if reference is None else reference
-        off = (light - reference)[self.mask[pj]]
-        return float(np.sqrt(np.mean(off**2)) / np.mean(reference[self.mask[pj]]))
+        return relative(light, self.reference[pj] if reference is None else reference, self.mask[pj])
 
 
 def of_rtrace(scene):

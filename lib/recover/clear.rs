@@ -14,6 +14,7 @@ use crate::error::Result;
 use crate::scene::MaterialId;
 use crate::transport::{self, Basis, Clear, Pixels};
 use crate::unknown::Unknown;
+use rayon::prelude::*;
 
 /// The smallest index that is looked at: less bends light no further.
 const LEAST_INDEX: f64 = 0.2;
@@ -39,6 +40,8 @@ struct Stage<'a> {
     parts: Vec<transport::Unknown>,
     /// Roots of the transmissivities of the columns.
     roots: Vec<f64>,
+    /// What the transmissivities are, as far as is known: the weights of the columns of each channel.
+    guess: Option<[Vec<f64>; 3]>,
 }
 
 impl<'a> Stage<'a> {
@@ -47,7 +50,7 @@ impl<'a> Stage<'a> {
         let clear: Vec<Clear> = indices.iter().map(|&index| Clear::new(material, glass, index)).collect();
         let roots = clear[0].nodes.iter().map(|t| t.sqrt()).collect();
         let parts = clear.into_iter().map(|c| transport::Unknown::Clear(Box::new(c))).collect();
-        Self { evidence, unknown, indices, parts, roots }
+        Self { evidence, unknown, indices, parts, roots, guess: None }
     }
 
     /// The weights of the columns of each channel in the basis of one index.
@@ -63,10 +66,12 @@ impl<'a> Stage<'a> {
 }
 
 impl Model for Stage<'_> {
-    fn tune(&mut self, _: &[f64], _: Option<&[f64]>) {}
+    fn tune(&mut self, values: &[f64], _: Option<&[f64]>) {
+        self.guess = Some(self.columns(values));
+    }
 
     fn trace(&self, pixels: &[usize], samples: &[u32], seed: u64) -> Basis {
-        let pixels = Pixels { numbers: pixels, samples, lens: &self.evidence.film.lens() };
+        let pixels = Pixels { numbers: pixels, samples, lens: &self.evidence.film.lens(), picture: self.guess.as_ref() };
         let at = |unknown| transport::trace(self.evidence.world, self.evidence.rules, unknown, &pixels, 2, seed);
         Basis::beside(&self.parts.iter().map(at).collect::<Vec<_>>())
     }
@@ -134,13 +139,15 @@ pub fn recover(
         let indices: Vec<f64> = (0..=count).map(|i| from + (to - from) * i as f64 / count as f64).collect();
         tell(&format!("indices {:.3} to {:.3}", from, to));
         let sampled: Vec<usize> = blocks.sample();
-        let mut found = Vec::new();
-        for &index in if slot.is_some() { &indices[..] } else { &indices[..1] } {
+        let numbers: Vec<usize> = sampled.iter().map(|&i| pixels[i]).collect();
+        let tried = if slot.is_some() { &indices[..] } else { &indices[..1] };
+        let tried: Vec<(f64, u64)> = tried.iter().map(|&index| (index, seeds.next())).collect();
+        let fit = |&(index, seed): &(f64, u64)| {
             let stage = Stage::new(evidence, unknown, material, vec![index]);
-            let numbers: Vec<usize> = sampled.iter().map(|&i| pixels[i]).collect();
-            let basis = stage.trace(&numbers, &vec![samples; numbers.len()], seeds.next());
-            found.push(blocks.fit(&stage, &basis, &sampled, unknown, slot.map(|i| (i, index)), effort.seed)?);
-        }
+            let basis = stage.trace(&numbers, &vec![samples; 2 * numbers.len()], seed);
+            blocks.fit(&stage, &basis, &sampled, unknown, slot.map(|i| (i, index)), effort.seed)
+        };
+        let found = tried.par_iter().map(fit).collect::<Result<Vec<Point>>>()?;
         let Some(lowest) = (0..found.len()).min_by(|&a, &b| found[a].chi2.total_cmp(&found[b].chi2)) else { continue };
         let before = std::mem::replace(&mut best, found[lowest].clone());
         let Some(i) = slot else { break };

@@ -1,13 +1,12 @@
 //! A look at the picture: samples where they tell most, the values that explain it best near some others, and how sure they are.
 
 use super::fit::{Valley, derivatives};
-use super::statistics::{Channels, Half, STEPS, Scores, Sheet, influence, pictures};
+use super::statistics::{BOUNDINGS, Channels, FIRST_PULL, Half, PULL, STEPS, Scores, Sheet, influence, pictures, total};
 use super::{Effort, Evidence, Recovery, Seeds};
 use crate::anneal::Parameter;
 use crate::anneal::linear::Symmetric;
 use crate::sampling::mix64;
 use crate::transport::Basis;
-use rayon::prelude::*;
 use std::time::Instant;
 
 /// A model of the picture near some values of the parameters.
@@ -28,8 +27,8 @@ pub trait Model: Sync {
     fn holds(&self, values: &[f64]) -> bool;
 }
 
-/// The fewest and the most samples of a pixel in each half of a round, whatever its share.
-const SAMPLES: (f64, f64) = (4.0, 1024.0);
+/// The most samples of a pixel in each half of a round, whatever its share.
+const MOST: f64 = 1024.0;
 
 /// Samples in each half of the first round, and of each pixel in it, at the least and at the most: rather few pixels that say something
 /// than many that are all noise, which the bottom of χ² takes for signal.
@@ -70,10 +69,10 @@ impl Look<'_> {
         let mut best = near.to_vec();
         model.tune(&best, None);
         let trace = |model: &dyn Model, numbers: &[usize], samples: f64, seeds: &mut Seeds| {
-            model.trace(numbers, &vec![samples as u32; numbers.len()], seeds.next())
+            model.trace(numbers, &vec![samples as u32; 2 * numbers.len()], seeds.next())
         };
         let mut basis = trace(model, &pixels[..count as usize], each, seeds);
-        let mut before: Option<Recovery> = None;
+        let mut before = Vec::new();
         for round in 1.. {
             let sheet = Sheet::new(self.evidence, &pixels[..count as usize]);
             let (found, influence) = self.fit(&sheet, model, &basis, &best);
@@ -85,14 +84,16 @@ impl Look<'_> {
             });
             // So many times as many samples as before may still be taken.
             let most = GROWTH.1.min(budget - 1.0).min(time);
-            let contents = self.effort.contents(self.parameters, &found, before.as_ref());
+            let contents = self.effort.contents(self.parameters, &found, &before);
             if strayed || contents || round == ROUNDS || self.effort.quick || most < LEAST_GROWTH {
                 return found;
             }
             best.clone_from(&found.values);
             model.tune(&best, Some(&found.errors()));
             let growth = (self.effort.lack(self.parameters, &found) - 1.0).max(GROWTH.0).min(most);
-            before = (count == all).then_some(found);
+            if count == all {
+                before.push(found);
+            }
             if count < all {
                 let more = (count * (1.0 + growth)).floor().min(all);
                 basis.append(trace(model, &pixels[count as usize..more as usize], each, seeds));
@@ -100,10 +101,7 @@ impl Look<'_> {
             } else {
                 let mean = each * growth;
                 each += mean;
-                let samples = shared(mean, &influence);
-                let more = model.trace(&pixels, &samples, seeds.next());
-                let [first, further] = [&basis, &more].map(|basis| disturbance(&influence, &basis.samples));
-                basis.join(&more, (first / (first + further)) as f32);
+                basis.join(&model.trace(&pixels, &shared(mean, &influence, &basis.samples), seeds.next()));
             }
         }
         unreachable!("a look has rounds")
@@ -112,57 +110,88 @@ impl Look<'_> {
     /// The values that explain the picture best, near some; and how much the error of a sample in each pixel disturbs them.
     fn fit(&self, sheet: &Sheet, model: &dyn Model, basis: &Basis, near: &[f64]) -> (Recovery, Vec<f64>) {
         let halves = pictures(basis, &model.coefficients(near));
-        let variance = sheet.variance(&halves, &basis.samples);
-        let weights = sheet.by_variance(&halves, &variance, &basis.samples);
+        let variances = sheet.variances(&halves, basis);
+        let mut weights = sheet.by_variance(&halves, &variances, &basis.samples);
         // The bottom of the whole χ², which is safe to find though its place is biased by the noise of the rendering.
         let whole = Whole { model, basis, target: &sheet.target, weights: &weights, bounds: self.bounds };
         let mut values = whole.polish(near, &vec![true; near.len()]).values;
-        let scores = |values: &[f64]| scores(sheet, &weights, model, basis, values, self.bounds);
-        // From there to where the scores vanish, which has no such bias.
-        let mut now = scores(&values);
+        // What is far too bright by chance must not lead astray; what pulls hard because the values are not there yet, may.
+        for _ in 0..BOUNDINGS {
+            let Some(lighter) = scores(sheet, &weights, model, basis, &values, self.bounds).bounded(FIRST_PULL) else { break };
+            weights = lighter;
+        }
+        // From there to where the scores vanish, which has no such bias; and again without what single pixels make of it.
+        let mut turn = 1;
+        let now = loop {
+            let now = self.settle(sheet, &weights, model, basis, &mut values);
+            match now.bounded(PULL) {
+                Some(lighter) if turn < BOUNDINGS => weights = lighter,
+                _ => break now,
+            }
+            turn += 1;
+        };
+        let wished: Vec<f64> = self.parameters.iter().zip(&values).map(|(p, value)| self.effort.near(p, *value)).collect();
+        let influence = influence(&now, &variances, &wished);
+        let losses = if self.effort.quick { now.losses(&sheet.relative()) } else { vec![] };
+        let (common, chi2, pixels) = (now.common(), now.chi2(), sheet.numbers.len());
+        (Recovery { values, covariance: now.covariance, own: now.own, common, chi2, pixels, losses }, influence)
+    }
+
+    /// Moves values to where the scores of pixels of these weights vanish.
+    fn settle<'s>(
+        &self,
+        sheet: &'s Sheet<'s>,
+        weights: &'s [Channels; 2],
+        model: &dyn Model,
+        basis: &Basis,
+        values: &mut Vec<f64>,
+    ) -> Scores<'s> {
+        let scores = |values: &[f64]| scores(sheet, weights, model, basis, values, self.bounds);
+        let mut now = scores(values);
         let mut size = f64::INFINITY;
         for _ in 0..STEPS {
             let Some(step) = now.step() else { break };
             let moved: Vec<f64> = values.iter().zip(&step).zip(self.bounds).map(|((v, s), b)| (v + s).clamp(b.0, b.1)).collect();
             let moved = model.trusted(&moved);
-            let taken = now.length(&moved.iter().zip(&values).map(|(a, b)| a - b).collect::<Vec<_>>());
+            let taken = now.length(&moved.iter().zip(&*values).map(|(a, b)| a - b).collect::<Vec<_>>());
             if !(taken < size) {
                 break;
             }
             size = taken;
-            values = moved;
-            now = scores(&values);
+            *values = moved;
+            now = scores(values);
             if taken < 0.05 {
                 break;
             }
         }
-        let wished: Vec<f64> = self.parameters.iter().zip(&values).map(|(p, value)| self.effort.near(p, *value)).collect();
-        let influence = influence(&now, &weights, &variance, &wished);
-        let losses = if self.effort.quick { now.losses(&sheet.relative()) } else { vec![] };
-        let (common, chi2, pixels) = (now.common(), now.chi2(), sheet.numbers.len());
-        (Recovery { values, covariance: now.covariance, own: now.own, common, chi2, pixels, losses }, influence)
+        now
     }
 }
 
 /// The part of the samples that all pixels share evenly: what few samples say of a pixel may be wrong.
 const EVEN: f64 = 0.3;
 
-/// Samples, `mean` on the average, shared among pixels in proportion to how much their errors disturb (Neyman 1934).
-fn shared(mean: f64, influence: &[f64]) -> Vec<u32> {
+/// Samples to add to those that the halves of pixels `have`, `mean` on the average, so that all are shared among pixels in proportion to how much
+/// their errors disturb (Neyman 1934).
+fn shared(mean: f64, influence: &[f64], have: &[f32]) -> Vec<u32> {
     let level = influence.iter().sum::<f64>() / influence.len() as f64;
     let share = |i: &f64| if level > 0.0 && level.is_finite() { EVEN + (1.0 - EVEN) * i / level } else { 1.0 };
-    influence.iter().map(|i| (mean * share(i)).clamp(SAMPLES.0, SAMPLES.1) as u32).collect()
-}
-
-/// How much the errors of pixels with so many samples disturb together.
-fn disturbance(influence: &[f64], samples: &[f32]) -> f64 {
-    influence.iter().zip(samples).map(|(i, n)| i * i / *n as f64).sum::<f64>().max(f64::MIN_POSITIVE)
+    let shares: Vec<f64> = influence.iter().flat_map(|i| [share(i); 2]).collect();
+    let add = |total: f64| shares.iter().zip(have).map(move |(share, have)| (total * share - *have as f64).clamp(0.0, MOST));
+    // The mean number of all samples that leaves so many to add.
+    let wanted = mean * have.len() as f64;
+    let (mut low, mut high) = (0.0, wanted + have.iter().map(|n| *n as f64).sum::<f64>());
+    for _ in 0..50 {
+        let middle = 0.5 * (low + high);
+        if add(middle).sum::<f64>() > wanted { high = middle } else { low = middle }
+    }
+    add(low).map(|more| more as u32).collect()
 }
 
 /// What pixels of some weights say about values.
 pub fn scores<'a>(
     sheet: &'a Sheet<'a>,
-    weights: &'a Channels,
+    weights: &'a [Channels; 2],
     model: &dyn Model,
     basis: &Basis,
     values: &[f64],
@@ -190,11 +219,16 @@ struct Whole<'a> {
     model: &'a dyn Model,
     basis: &'a Basis,
     target: &'a Channels,
-    weights: &'a Channels,
+    weights: &'a [Channels; 2],
     bounds: &'a [(f64, f64)],
 }
 
 impl Whole<'_> {
+    /// How much a pixel counts.
+    fn weight(&self, p: usize, c: usize) -> f64 {
+        0.5 * (self.weights[0][p][c] + self.weights[1][p][c]) as f64
+    }
+
     /// The derivative of each half by each parameter.
     fn derivatives(&self, values: &[f64]) -> Vec<Vec<Half>> {
         let coefficients = |v: &[f64]| self.model.coefficients(v);
@@ -209,42 +243,20 @@ impl Whole<'_> {
     /// The sums over pixels and channels of weight × derivative × `rest`, and of weight × derivative × derivative.
     fn sum_of_products(&self, derivatives: &[Vec<Half>], rest: impl Fn(usize, usize) -> f64 + Sync) -> (Vec<f64>, Symmetric) {
         let n = derivatives.len();
-        let pixel = |sum: &mut Vec<f64>, p: usize| {
+        let sums = total(self.target.len(), n + n * n, |p, sums| {
             for c in 0..3 {
-                let w = self.weights[p][c] as f64;
-                let rest = rest(p, c);
+                let (w, rest) = (self.weight(p, c), rest(p, c));
                 let d = |i: usize| 0.5 * (derivatives[i][0][p][c] + derivatives[i][1][p][c]);
                 for i in 0..n {
                     let wd = w * d(i);
-                    sum[i] += wd * rest;
-                    (0..=i).for_each(|j| sum[n + i * n + j] += wd * d(j));
+                    sums[i] += wd * rest;
+                    (0..=i).for_each(|j| sums[n + i * n + j] += wd * d(j));
                 }
             }
-        };
-        let sums = self.sum(|| vec![0.0; n + n * n], pixel, |sum, piece| sum.iter_mut().zip(piece).for_each(|(s, p)| *s += p));
+        });
         (sums[..n].to_vec(), Symmetric::of(n, |i, j| sums[n + i * n + j]))
     }
-
-    /// Sums what `part` says of each pixel and channel with the mean of both halves there.
-    fn sum<T: Send>(&self, zero: impl Fn() -> T + Sync, part: impl Fn(&mut T, usize) + Sync, join: impl Fn(&mut T, T)) -> T {
-        let count = self.target.len();
-        // Fixed pieces, summed in order: the same bytes for any number of threads.
-        let pieces: Vec<T> = (0..count.div_ceil(PIECE))
-            .into_par_iter()
-            .map(|piece| {
-                let mut sum = zero();
-                (piece * PIECE..((piece + 1) * PIECE).min(count)).for_each(|p| part(&mut sum, p));
-                sum
-            })
-            .collect();
-        let mut sum = zero();
-        pieces.into_iter().for_each(|piece| join(&mut sum, piece));
-        sum
-    }
 }
-
-/// Pixels that are summed at a time.
-const PIECE: usize = 512;
 
 impl Valley for Whole<'_> {
     fn bounds(&self) -> &[(f64, f64)] {
@@ -257,13 +269,8 @@ impl Valley for Whole<'_> {
 
     fn chi2(&self, values: &[f64]) -> f64 {
         let halves = pictures(self.basis, &self.model.coefficients(values));
-        let pixel = |sum: &mut f64, p: usize| {
-            for c in 0..3 {
-                let rest = self.target[p][c] as f64 - 0.5 * (halves[0][p][c] + halves[1][p][c]);
-                *sum += self.weights[p][c] as f64 * rest * rest;
-            }
-        };
-        self.sum(|| 0.0, pixel, |sum, piece| *sum += piece)
+        let rest = |p: usize, c: usize| self.target[p][c] as f64 - 0.5 * (halves[0][p][c] + halves[1][p][c]);
+        total(self.target.len(), 1, |p, sum| sum[0] += (0..3).map(|c| self.weight(p, c) * rest(p, c).powi(2)).sum::<f64>())[0]
     }
 
     fn normal_equations(&self, values: &[f64]) -> (Vec<f64>, Symmetric) {

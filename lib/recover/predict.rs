@@ -62,7 +62,7 @@ fn by(model: &mut dyn Model, evidence: &Evidence, unknown: &Unknown, pixels: &[u
     let (values, bounds) = (unknown.start(), unknown.bounds());
     model.tune(&values, None);
     let each = (SAMPLES / (pixels.len() as f64)).clamp(EACH.0, EACH.1);
-    let basis = model.trace(pixels, &vec![each as u32; pixels.len()], seed);
+    let basis = model.trace(pixels, &vec![each as u32; 2 * pixels.len()], seed);
     let halves = pictures(&basis, &model.coefficients(&values));
     // What would be photographed is what is rendered.
     let (width, height) = (evidence.film.width, evidence.film.height);
@@ -75,6 +75,7 @@ fn by(model: &mut dyn Model, evidence: &Evidence, unknown: &Unknown, pixels: &[u
     let dark = DARK * sheet.level;
     let weights: Channels =
         sheet.target.iter().map(|t| t.map(|v| ((NOISE * v as f64).powi(2) + dark * dark).max(f64::MIN_POSITIVE).recip() as f32)).collect();
+    let weights = [weights.clone(), weights];
     let scores = scores(&sheet, &weights, model, &basis, &values, &bounds);
     Ok(Prediction { covariance: scores.expected(), common: scores.common(), pixels: pixels.len(), level: sheet.level })
 }

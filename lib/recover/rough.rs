@@ -54,13 +54,15 @@ struct Stage<'a> {
     /// Roughnesses of the nodes.
     grid: Grid,
     what: transport::Unknown,
+    /// The coefficients of the columns of each channel, as far as is known.
+    guess: Option<[Vec<f64>; 3]>,
 }
 
 impl<'a> Stage<'a> {
     /// A stage with these nodes, all seen along directions drawn from these roughnesses.
     fn new(evidence: &'a Evidence<'a>, unknown: &'a Unknown, material: MaterialId, kind: Kind, grid: Grid, proposals: Vec<Alpha>) -> Self {
         let rough = Rough::new(material, kind.metal, kind.transmits, alphas(kind, &grid), proposals);
-        Self { evidence, unknown, kind, grid, what: transport::Unknown::Rough(Box::new(rough)) }
+        Self { evidence, unknown, kind, grid, what: transport::Unknown::Rough(Box::new(rough)), guess: None }
     }
 
     /// The axes whose roughness is unknown, and its place among the parameters.
@@ -85,10 +87,11 @@ impl Model for Stage<'_> {
         rough.propose(factors.iter().map(|f| middle.map(|m| (f * m).powi(2))).collect());
         rough.control = middle[0].max(middle[1]) < SHARP;
         rough.guess = Some(parts(self.kind, &a).map(Rgb::from));
+        self.guess = Some(self.coefficients(values));
     }
 
     fn trace(&self, pixels: &[usize], samples: &[u32], seed: u64) -> Basis {
-        let pixels = Pixels { numbers: pixels, samples, lens: &self.evidence.film.lens() };
+        let pixels = Pixels { numbers: pixels, samples, lens: &self.evidence.film.lens(), picture: self.guess.as_ref() };
         transport::trace(self.evidence.world, self.evidence.rules, &self.what, &pixels, 2, seed)
     }
 
@@ -158,7 +161,7 @@ pub fn recover(
     let [u, v] = [range(0), range(1)];
     let proposals = geometric(u.0.min(v.0).max(2.0 * SMOOTHEST), u.1.max(v.1), FIRST_PROPOSALS).iter().map(|a| [a * a; 2]).collect();
     let stage = Stage::new(evidence, unknown, material, kind, [u, v].map(|(low, high)| geometric(low, high, nodes.0)), proposals);
-    let basis = stage.trace(sheet.numbers, &vec![FIRST_SAMPLES; sheet.numbers.len()], seeds.next());
+    let basis = stage.trace(sheet.numbers, &vec![FIRST_SAMPLES; 2 * sheet.numbers.len()], seeds.next());
     let gram = Gram::new(&basis, &sheet.target, &sheet.relative());
     let problem = Problem { gram: &gram, coefficients: &|v| stage.coefficients(v), bounds: &bounds };
     let mut best = search(&problem, &stage, effort.seed)?;

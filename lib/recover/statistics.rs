@@ -2,7 +2,7 @@
 
 use super::Evidence;
 use crate::anneal::linear::Symmetric;
-use crate::transport::Basis;
+use crate::transport::{Basis, Mixture};
 use rayon::prelude::*;
 
 /// Three numbers for each pixel that counts.
@@ -84,42 +84,59 @@ impl<'a> Sheet<'a> {
         self.blurred(&target, 2).into_iter().enumerate().map(|(i, t)| self.masked(i, t.map(|v| (v + floor).powi(-2)))).collect()
     }
 
-    /// The variance of one sample of each pixel, by what its neighbours say. `halves` are two independent estimates, of `samples` samples each.
-    /// The pixel itself has no say, for a weight that went by its own noise would favour what is too dark by chance; unless it differs from
-    /// its neighbours beyond [`ALONE`]. One pixel that sees a lamp by the way, and is believed, outweighs thousands.
-    pub fn variance(&self, halves: &[Half], samples: &[f32]) -> Vec<[f64; 3]> {
-        let own = |(i, &n): (usize, &f32)| std::array::from_fn(|c| 0.5 * (halves[0][i][c] - halves[1][i][c]).powi(2) * n as f64);
-        let own: Vec<[f64; 3]> = samples.iter().enumerate().map(own).collect();
-        let around = self.around(&own, 1);
-        around.iter().zip(own).map(|(around, own)| std::array::from_fn(|c| around[c].max(own[c] / ALONE.powi(2)))).collect()
+    /// The variance of one sample of each pixel, as each half has it: by how the samples of that half differ, and by those of its neighbours, for
+    /// few samples may all have missed what glints now and then.
+    pub fn variances(&self, halves: &[Half], basis: &Basis) -> [Vec<[f64; 3]>; 2] {
+        let own = |half: usize, i: usize| basis.variances[2 * i + half].map(f64::from);
+        let count = self.numbers.len();
+        let mean: Vec<[f64; 3]> = (0..count).map(|i| std::array::from_fn(|c| 0.5 * (own(0, i)[c] + own(1, i)[c]))).collect();
+        let around = self.around(&mean, 1);
+        // Samples that fill a pixel evenly err less than chance would have it.
+        let (mut by_chance, mut seen) = (0.0, 0.0);
+        for (i, w) in self.relative().iter().enumerate() {
+            for c in 0..3 {
+                by_chance += w[c] as f64 * mean[i][c];
+                seen += w[c] as f64 * (halves[0][i][c] - halves[1][i][c]).powi(2) / inverses(&basis.samples, i);
+            }
+        }
+        let even = if by_chance > 0.0 { seen / by_chance } else { 1.0 };
+        let blend = |half: usize, i: usize| -> [f64; 3] {
+            let share = NEIGHBOURS / (NEIGHBOURS + basis.samples[2 * i + 1 - half] as f64);
+            std::array::from_fn(|c| even * (own(half, i)[c] + share * (around[i][c] - own(half, i)[c])))
+        };
+        [0, 1].map(|half| (0..count).map(|i| blend(half, i)).collect())
     }
 
-    /// Weights that go by the variance of a sample.
-    pub fn by_variance(&self, halves: &[Half], variance: &[[f64; 3]], samples: &[f32]) -> Channels {
+    /// Weights for each half that go by its own variance of a sample, so that they are independent of the other half, whose residuals
+    /// they weigh: a weight that went by the noise of what it weighs would favour what is too dark by chance.
+    pub fn by_variance(&self, halves: &[Half], variances: &[Vec<[f64; 3]>; 2], samples: &[f32]) -> [Channels; 2] {
         let mean: Vec<[f64; 3]> = halves[0].iter().zip(&halves[1]).map(|(a, b)| std::array::from_fn(|c| 0.5 * (a[c] + b[c]))).collect();
         let mean = self.around(&mean, 2);
         let floor = (0.01 * self.level).powi(2);
-        let photographed = self.samples(halves, variance);
-        let weight = |i: usize| {
-            let own = 0.5 / samples[i] as f64;
-            let share = 1.0 / photographed + own;
-            let weight: [f64; 3] = std::array::from_fn(|c| 1.0 / (variance[i][c] * share + (MISFIT * mean[i][c]).powi(2) + floor));
+        let photographed = self.samples(halves, variances);
+        let weights = |i: usize| -> [[f32; 3]; 2] {
+            let own = |half: usize| 0.5 / samples[2 * i + half] as f64;
+            let weights: [[f64; 3]; 2] = [0, 1].map(|half| {
+                let share = 1.0 / photographed + own(1 - half);
+                std::array::from_fn(|c| 1.0 / (variances[half][i][c] * share + (MISFIT * mean[i][c]).powi(2) + floor))
+            });
             let rest = |c: usize, half: usize| self.target[i][c] as f64 - halves[half][i][c];
-            let off = (0..3).map(|c| weight[c] * rest(c, 0) * rest(c, 1)).sum::<f64>() / 3.0;
-            let limit = (OUTLIER * (1.0 + OWN * own * photographed)).powi(2);
-            self.masked(i, weight.map(|w| w / (off / limit).max(1.0).sqrt()))
+            let off = (0..3).map(|c| 0.5 * (weights[0][c] + weights[1][c]) * rest(c, 0) * rest(c, 1)).sum::<f64>() / 3.0;
+            let limit = (OUTLIER * (1.0 + OWN * 0.25 * inverses(samples, i) * photographed)).powi(2);
+            weights.map(|weight| self.masked(i, weight.map(|w| w / (off / limit).max(1.0).sqrt())))
         };
-        (0..self.numbers.len()).map(weight).collect()
+        let both: Vec<[[f32; 3]; 2]> = (0..self.numbers.len()).map(weights).collect();
+        [0, 1].map(|half| both.iter().map(|w| w[half]).collect())
     }
 
     /// How many samples a pixel of the target seems to hold, from what is left of it: what a photograph lacks in noise it has in misfit.
-    fn samples(&self, halves: &[Half], variance: &[[f64; 3]]) -> f64 {
+    fn samples(&self, halves: &[Half], variances: &[Vec<[f64; 3]>; 2]) -> f64 {
         let weights = self.relative();
         let (mut noise, mut rest) = (0.0, 0.0);
         for (i, w) in weights.iter().enumerate() {
             for c in 0..3 {
                 let t = self.target[i][c] as f64;
-                noise += w[c] as f64 * variance[i][c];
+                noise += w[c] as f64 * 0.5 * (variances[0][i][c] + variances[1][i][c]);
                 rest += w[c] as f64 * (t - halves[0][i][c]) * (t - halves[1][i][c]);
             }
         }
@@ -127,6 +144,13 @@ impl<'a> Sheet<'a> {
     }
 }
 
+/// How much the halves of a pixel differ by the samples that they have: the sum of one over each.
+fn inverses(samples: &[f32], pixel: usize) -> f64 {
+    1.0 / samples[2 * pixel] as f64 + 1.0 / samples[2 * pixel + 1] as f64
+}
+
+/// How many samples the neighbours of a pixel stand for where its variance is asked.
+const NEIGHBOURS: f64 = 40.0;
 /// Between how many samples a pixel of the target is taken to hold.
 const TARGET_SAMPLES: (f64, f64) = (4.0, 1000.0);
 /// How many standard errors a pixel may be off and count fully. Where few samples have missed what glints now and then, its variance is
@@ -134,8 +158,6 @@ const TARGET_SAMPLES: (f64, f64) = (4.0, 1000.0);
 const OUTLIER: f64 = 4.0;
 /// How much further off it may be per unit of the rendering's variance in terms of the photograph's: what both halves missed is no outlier.
 const OWN: f64 = 1.0;
-/// By how many standard errors, as its neighbours have them, the halves of a pixel may differ before its own difference counts.
-const ALONE: f64 = 4.0;
 /// The part of its value by which a picture may be off in many pixels at once: by its light, its shape, the formula of a lobe.
 pub const COMMON: f64 = 0.015;
 /// And the relative misfit of a perfect photograph.
@@ -143,13 +165,9 @@ const MISFIT: f64 = 0.01;
 
 /// The picture that each set of a basis makes of the coefficients `x`. What is 0 in x costs nothing.
 pub fn pictures(basis: &Basis, x: &[Vec<f64>; 3]) -> Vec<Half> {
-    let n = basis.columns;
-    let terms = |c: usize| x[c].iter().enumerate().filter(|(_, v)| **v != 0.0).map(|(i, v)| (c * n + i, *v)).collect();
-    let terms: [Vec<(usize, f64)>; 3] = std::array::from_fn(terms);
-    let pixels = basis.values.len() / (basis.sets * 3 * n);
-    let value = |columns: &[f32], c: usize| terms[c].iter().map(|&(i, v)| v * columns[i] as f64).sum::<f64>();
-    let picture =
-        |set| (0..pixels).into_par_iter().with_min_len(512).map(|p| std::array::from_fn(|c| value(basis.pixel(p, set), c))).collect();
+    let mixture = Mixture::new(x);
+    let pixels = basis.samples.len() / basis.sets;
+    let picture = |set| (0..pixels).into_par_iter().with_min_len(512).map(|p| mixture.of(basis.pixel(p, set))).collect();
     (0..basis.sets).map(picture).collect()
 }
 
@@ -160,7 +178,7 @@ pub fn pictures(basis: &Basis, x: &[Vec<f64>; 3]) -> Vec<Half> {
 /// (Reiersøl 1945; Hansen 1982): the derivative, shrunk by how far those of the two halves agree around the pixel (Wiener 1949).
 pub struct Scores<'a> {
     sheet: &'a Sheet<'a>,
-    weights: &'a Channels,
+    weights: &'a [Channels; 2],
     /// The picture of each half.
     halves: Vec<Half>,
     /// Its derivative by each parameter, of each half.
@@ -184,7 +202,7 @@ impl<'a> Scores<'a> {
     /// `curvature` is Gauss and Newton's matrix of the mean of both halves.
     pub fn new(
         sheet: &'a Sheet<'a>,
-        weights: &'a Channels,
+        weights: &'a [Channels; 2],
         halves: Vec<Half>,
         derivatives: Vec<Vec<Half>>,
         mut curvature: Symmetric,
@@ -196,7 +214,7 @@ impl<'a> Scores<'a> {
         let unknown = Symmetric::diagonal(&vec![f64::INFINITY; n]);
         let (covariance, own) = (unknown.clone(), unknown);
         let mut scores = Self { sheet, weights, halves, derivatives, trust, forward: None, inverse: None, prior, covariance, own };
-        let mut slopes: Vec<Vec<f64>> = (0..n).map(|i| (0..n).map(|j| scores.slope(i, j)).collect()).collect();
+        let mut slopes = scores.slopes();
         for i in 0..n {
             slopes[i][i] += scores.prior[i];
             curvature.set(i, i, curvature.at(i, i) + scores.prior[i]);
@@ -209,11 +227,25 @@ impl<'a> Scores<'a> {
         scores
     }
 
-    /// A sum over pixels and channels of weight × instrument `i` of one half × what the other half has there, both ways.
-    fn slope(&self, i: usize, j: usize) -> f64 {
-        let d = &self.derivatives;
-        let cross = |p: usize, c: usize| self.weights[p][c] as f64 * 0.5 * (d[i][0][p][c] * d[j][1][p][c] + d[i][1][p][c] * d[j][0][p][c]);
-        (0..self.weights.len()).map(|p| self.trust[i][p] * (0..3).map(|c| cross(p, c)).sum::<f64>()).sum()
+    /// For each pair of parameters, the sum over pixels and channels of weight × instrument of one half × what the other half has there, both
+    /// ways.
+    fn slopes(&self) -> Vec<Vec<f64>> {
+        let (d, n) = (&self.derivatives, self.derivatives.len());
+        let half = |i: usize, j: usize, p: usize, c: usize, h: usize| self.weights[h][p][c] as f64 * d[i][h][p][c] * d[j][1 - h][p][c];
+        let both = |i: usize, j: usize, p: usize| 0.5 * (0..3).map(|c| half(i, j, p, c, 0) + half(i, j, p, c, 1)).sum::<f64>();
+        let sums = total(self.pixels(), n * n, |p, sums| {
+            sums.iter_mut().enumerate().for_each(|(k, sum)| *sum += self.trust[k / n][p] * both(k / n, k % n, p));
+        });
+        sums.chunks(n.max(1)).map(<[f64]>::to_vec).collect()
+    }
+
+    fn pixels(&self) -> usize {
+        self.weights[0].len()
+    }
+
+    /// How much a pixel counts in both halves together.
+    fn weight(&self, p: usize, c: usize) -> f64 {
+        0.5 * (self.weights[0][p][c] + self.weights[1][p][c]) as f64
     }
 
     fn residual(&self, p: usize, c: usize, half: usize) -> f64 {
@@ -223,8 +255,10 @@ impl<'a> Scores<'a> {
     /// A pixel's part of the score of parameter `i`.
     fn score(&self, i: usize, p: usize) -> f64 {
         let d = &self.derivatives[i];
-        let cross =
-            |c: usize| self.weights[p][c] as f64 * 0.5 * (d[0][p][c] * self.residual(p, c, 1) + d[1][p][c] * self.residual(p, c, 0));
+        let cross = |c: usize| {
+            let half = |h: usize| self.weights[h][p][c] as f64 * d[h][p][c] * self.residual(p, c, 1 - h);
+            0.5 * (half(0) + half(1))
+        };
         self.trust[i][p] * (0..3).map(cross).sum::<f64>()
     }
 
@@ -239,7 +273,19 @@ impl<'a> Scores<'a> {
 
     /// The score of each parameter.
     fn scores(&self) -> Vec<f64> {
-        (0..self.derivatives.len()).map(|i| (0..self.weights.len()).map(|p| self.score(i, p)).sum()).collect()
+        total(self.pixels(), self.derivatives.len(), |p, sums| sums.iter_mut().enumerate().for_each(|(i, sum)| *sum += self.score(i, p)))
+    }
+
+    /// Weights under which no pixel by itself moves the values too far; `None` if none does. One that sees a lamp by the way in a few samples would
+    /// outweigh thousands (bounded influence: Krasker and Welsch 1982).
+    pub fn bounded(&self, most: f64) -> Option<[Channels; 2]> {
+        let (n, inverse) = (self.derivatives.len(), self.inverse.as_ref()?);
+        let moved = |p: usize| times(inverse, &(0..n).map(|i| self.score(i, p)).collect::<Vec<_>>());
+        let most = most.max(FEW / (self.pixels() as f64).sqrt());
+        let pulls: Vec<f64> = (0..self.pixels()).into_par_iter().map(|p| self.length(&moved(p)) / most).collect();
+        let part = |pull: &f64| if *pull > SLACK { 1.0 / *pull as f32 } else { 1.0 };
+        let lighter = |half: &Channels| half.iter().zip(&pulls).map(|(w, pull)| w.map(|w| w * part(pull))).collect();
+        pulls.iter().any(|pull| *pull > SLACK).then(|| self.weights.each_ref().map(lighter))
     }
 
     /// The largest part of a step, in standard errors.
@@ -250,7 +296,7 @@ impl<'a> Scores<'a> {
     /// χ² of equation 11, without what the noise of the rendering adds to it.
     pub fn chi2(&self) -> f64 {
         let cross = |p: usize, c: usize| self.residual(p, c, 0) * self.residual(p, c, 1);
-        (0..self.weights.len()).map(|p| (0..3).map(|c| cross(p, c)).sum::<f64>()).sum()
+        (0..self.pixels()).map(|p| (0..3).map(|c| cross(p, c)).sum::<f64>()).sum()
     }
 
     /// How far each pixel is off, with fixed weights, without what the noise of the rendering adds to it.
@@ -264,24 +310,24 @@ impl<'a> Scores<'a> {
     /// The sandwich form (White 1980), the scores summed per pixel over the channels, whose errors go together.
     fn covariances(&self, inverse: &[Vec<f64>]) -> (Symmetric, Symmetric) {
         let n = self.derivatives.len();
-        let (mut all, mut own) = (Symmetric::diagonal(&vec![0.0; n]), Symmetric::diagonal(&vec![0.0; n]));
-        let add = |sum: &mut Symmetric, score: &[f64]| add_square(sum, &times(inverse, score));
-        // What as many steps again would do is not known either.
-        add(&mut all, &self.scores());
-        // What the pixels leave open, the bounds still tell.
+        let sums = total(self.pixels(), 2 * n * n, |p, sums| {
+            let (all, own) = sums.split_at_mut(n * n);
+            add_square(all, &times(inverse, &(0..n).map(|i| self.score(i, p)).collect::<Vec<_>>()));
+            for half in 0..2 {
+                let noise =
+                    |c: usize| 0.5 * 0.5f64.sqrt() * (self.halves[0][p][c] - self.halves[1][p][c]) * self.weights[half][p][c] as f64;
+                let score = |i: usize| self.trust[i][p] * (0..3).map(|c| noise(c) * self.derivatives[i][half][p][c]).sum::<f64>();
+                add_square(own, &times(inverse, &(0..n).map(score).collect::<Vec<_>>()));
+            }
+        });
+        let (mut all, own) = (sums[..n * n].to_vec(), &sums[n * n..]);
+        // What as many steps again would do is not known either; what the pixels leave open, the bounds still tell.
+        add_square(&mut all, &times(inverse, &self.scores()));
         for i in 0..n {
             let known: Vec<f64> = (0..n).map(|j| if i == j { self.prior[i].sqrt() } else { 0.0 }).collect();
-            add(&mut all, &known);
+            add_square(&mut all, &times(inverse, &known));
         }
-        for p in 0..self.weights.len() {
-            add(&mut all, &(0..n).map(|i| self.score(i, p)).collect::<Vec<_>>());
-            for half in 0..2 {
-                let noise = |c: usize| (self.halves[0][p][c] - self.halves[1][p][c]) * 0.5 * 0.5f64.sqrt() * self.weights[p][c] as f64;
-                let score = |i: usize| self.trust[i][p] * (0..3).map(|c| noise(c) * self.derivatives[i][half][p][c]).sum::<f64>();
-                add(&mut own, &(0..n).map(score).collect::<Vec<_>>());
-            }
-        }
-        (all, own)
+        (Symmetric::of(n, |i, j| all[i * n + j]), Symmetric::of(n, |i, j| own[i * n + j]))
     }
 
     /// What an error of the picture that is as large a part of each value as [`COMMON`] does to the values, where its signs do most harm:
@@ -291,14 +337,14 @@ impl<'a> Scores<'a> {
     /// Those of a shape, of a measured light, of the formula of a lobe are not, and no number of pixels averages them out.
     pub fn common(&self) -> Symmetric {
         let value = |p: usize, c: usize| 0.5 * (self.halves[0][p][c] + self.halves[1][p][c]).abs();
-        let (squares, sizes) = self.moved(|p, c| COMMON * value(p, c) * self.weights[p][c] as f64);
+        let (squares, sizes) = self.moved(|p, c| COMMON * value(p, c) * self.weight(p, c));
         let correlations = squares.correlations();
         Symmetric::of(sizes.len(), |i, j| if i == j { sizes[i].powi(2) } else { sizes[i] * sizes[j] * correlations.at(i, j) })
     }
 
     /// The covariance of the values that is to be expected of a picture whose noise is what the weights say.
     pub fn expected(&self) -> Symmetric {
-        let mut all = self.moved(|p, c| (self.weights[p][c] as f64).sqrt()).0;
+        let mut all = self.moved(|p, c| self.weight(p, c).sqrt()).0;
         if let Some(inverse) = &self.inverse {
             let known = |i: usize, j: usize| (0..self.prior.len()).map(|k| inverse[i][k] * inverse[j][k] * self.prior[k]).sum::<f64>();
             all = Symmetric::of(all.size(), |i, j| all.at(i, j) + known(i, j));
@@ -307,52 +353,64 @@ impl<'a> Scores<'a> {
     }
 
     /// What errors of that weight in each pixel and channel do to the values: the sum of their products, and of their sizes.
-    fn moved(&self, error: impl Fn(usize, usize) -> f64) -> (Symmetric, Vec<f64>) {
+    fn moved(&self, error: impl Fn(usize, usize) -> f64 + Sync) -> (Symmetric, Vec<f64>) {
         let n = self.derivatives.len();
         let Some(inverse) = &self.inverse else { return (Symmetric::diagonal(&vec![f64::INFINITY; n]), vec![f64::INFINITY; n]) };
         let d = &self.derivatives;
-        let (mut squares, mut sizes) = (Symmetric::diagonal(&vec![0.0; n]), vec![0.0; n]);
-        for p in 0..self.weights.len() {
+        let sums = total(self.pixels(), n + n * n, |p, sums| {
+            let (sizes, squares) = sums.split_at_mut(n);
             for c in 0..3 {
                 let error = error(p, c);
                 let instrument: Vec<f64> = (0..n).map(|j| self.trust[j][p] * 0.5 * (d[j][0][p][c] + d[j][1][p][c]) * error).collect();
                 let moved = times(inverse, &instrument);
                 sizes.iter_mut().zip(&moved).for_each(|(size, m)| *size += m.abs());
-                add_square(&mut squares, &moved);
+                add_square(squares, &moved);
             }
-        }
-        (squares, sizes)
+        });
+        (Symmetric::of(n, |i, j| sums[n + i * n + j]), sums[..n].to_vec())
     }
 }
 
 /// How far the derivatives of two halves agree around each pixel: 0 where they are noise, 1 where they are the same.
-fn trust(sheet: &Sheet, weights: &Channels, derivative: &[Half]) -> Vec<f64> {
+fn trust(sheet: &Sheet, weights: &[Channels; 2], derivative: &[Half]) -> Vec<f64> {
     let sums = |p: usize| {
         let (mut common, mut whole) = (0.0, 0.0);
         for c in 0..3 {
-            let (a, b, w) = (derivative[0][p][c], derivative[1][p][c], weights[p][c] as f64);
+            let (a, b, w) = (derivative[0][p][c], derivative[1][p][c], (weights[0][p][c] + weights[1][p][c]) as f64);
             common += w * a * b;
             whole += w * 0.25 * (a + b) * (a + b);
         }
         [common, whole, 0.0]
     };
-    let values: Vec<[f64; 3]> = (0..weights.len()).map(sums).collect();
+    let values: Vec<[f64; 3]> = (0..weights[0].len()).map(sums).collect();
     let around = sheet.around(&values, 2);
     around.iter().map(|[common, whole, _]| if *whole > 0.0 { (common / whole).clamp(0.0, 1.0) } else { 0.0 }).collect()
 }
 
-/// How much the error of one sample of each pixel disturbs the values, each in terms of the error that is wished for.
-pub fn influence(scores: &Scores, weights: &Channels, variance: &[[f64; 3]], wished: &[f64]) -> Vec<f64> {
-    let Some(inverse) = &scores.inverse else { return vec![1.0; weights.len()] };
-    let d = &scores.derivatives;
-    let pixel = |p: usize| -> f64 {
-        let instrument = |j: usize, c: usize| scores.trust[j][p].sqrt() * 0.5 * (d[j][0][p][c] + d[j][1][p][c]);
-        let moved =
-            |i: usize, c: usize| (0..d.len()).map(|j| inverse[i][j] * instrument(j, c)).sum::<f64>() * weights[p][c] as f64 / wished[i];
-        (0..3).map(|c| variance[p][c] * (0..d.len()).map(|i| moved(i, c).powi(2)).sum::<f64>()).sum::<f64>().sqrt()
+/// How much the error of one sample of each pixel disturbs the values, each in terms of the error that is wished for, as its neighbours say: the
+/// samples that a pixel is given must not depend on what it found before.
+pub fn influence(scores: &Scores, variances: &[Vec<[f64; 3]>; 2], wished: &[f64]) -> Vec<f64> {
+    let Some(inverse) = &scores.inverse else { return vec![1.0; scores.pixels()] };
+    let n = wished.len();
+    let half = |half: usize, p: usize| -> f64 {
+        let instrument = |j: usize, c: usize| scores.trust[j][p].sqrt() * scores.derivatives[j][half][p][c];
+        let moved = |i: usize, c: usize| (0..n).map(|j| inverse[i][j] * instrument(j, c)).sum::<f64>() / wished[i];
+        let weight = |c: usize| scores.weights[half][p][c] as f64;
+        let channel = |c: usize| variances[half][p][c] * weight(c).powi(2) * (0..n).map(|i| moved(i, c).powi(2)).sum::<f64>();
+        (0..3).map(channel).sum::<f64>().sqrt()
     };
-    (0..weights.len()).map(pixel).collect()
+    let own: Vec<[f64; 3]> = (0..scores.pixels()).into_par_iter().map(|p| [0.5 * (half(0, p) + half(1, p)), 0.0, 0.0]).collect();
+    scores.sheet.around(&own, 1).iter().map(|around| around[0]).collect()
 }
+
+/// How much of a standard error one pixel may make: so much, or where there are few, so many times what it would if all made as much.
+pub const PULL: f64 = 0.1;
+const FEW: f64 = 4.0;
+/// The same while the values are only near.
+pub const FIRST_PULL: f64 = 0.3;
+/// How nearly that is kept, in at most so many turns: what is taken from one pixel makes the standard errors smaller.
+const SLACK: f64 = 1.1;
+pub const BOUNDINGS: usize = 12;
 
 /// Steps toward the values that the scores ask for.
 pub const STEPS: usize = 24;
@@ -362,12 +420,28 @@ fn times(matrix: &[Vec<f64>], x: &[f64]) -> Vec<f64> {
     matrix.iter().map(|row| row.iter().zip(x).map(|(a, x)| a * x).sum()).collect()
 }
 
-/// Adds the products of each pair of the entries of a vector.
-fn add_square(sum: &mut Symmetric, x: &[f64]) {
+/// Adds the products of each pair of the entries of a vector to the lower half of a matrix.
+fn add_square(sum: &mut [f64], x: &[f64]) {
     for i in 0..x.len() {
-        (0..=i).for_each(|j| sum.set(i, j, sum.at(i, j) + x[i] * x[j]));
+        (0..=i).for_each(|j| sum[i * x.len() + j] += x[i] * x[j]);
     }
 }
+
+/// `width` sums over `count` pixels, to which `part` adds those of one. Fixed pieces, summed in order: the same bytes for any number of threads.
+pub fn total(count: usize, width: usize, part: impl Fn(usize, &mut [f64]) + Sync) -> Vec<f64> {
+    let piece = |piece: usize| {
+        let mut sums = vec![0.0; width];
+        (piece * PIECE..((piece + 1) * PIECE).min(count)).for_each(|p| part(p, &mut sums));
+        sums
+    };
+    let pieces: Vec<Vec<f64>> = (0..count.div_ceil(PIECE)).into_par_iter().map(piece).collect();
+    let mut sums = vec![0.0; width];
+    pieces.iter().for_each(|piece| sums.iter_mut().zip(piece).for_each(|(sum, piece)| *sum += piece));
+    sums
+}
+
+/// Pixels that are summed at a time.
+const PIECE: usize = 512;
 
 /// What [`STEPS`] steps by `forward` make of scores that change with the values by `slopes`.
 fn landweber(forward: &Symmetric, slopes: &[Vec<f64>]) -> Vec<Vec<f64>> {

@@ -1,6 +1,6 @@
 //! The basis, put together with the numbers of a material, is the picture that a plain rendering makes of the same samples.
 
-use super::{Basis, Clear, Columns, LANES, Piece, Pixels, Rough, Transport, Unknown, clear, follow, rough, trace};
+use super::{Basis, Clear, Columns, LANES, Mixture, Piece, Pixels, Rough, Transport, Unknown, clear, follow, rough, trace};
 use crate::bsdf::{Arriving, Bsdf, Delta, Part};
 use crate::color::Rgb;
 use crate::error::Source;
@@ -49,23 +49,30 @@ fn lens(number: usize, [u, v]: [f64; 2]) -> Option<(Vec3, Vec3, f64)> {
 const SAMPLES: u32 = 24;
 const SEED: u64 = 7;
 
-fn basis(world: &World, rules: &Rules, unknown: &Unknown) -> Basis {
+fn basis(world: &World, rules: &Rules, unknown: &Unknown, x: &[Vec<f64>; 3]) -> Basis {
     let numbers: Vec<usize> = (0..16).collect();
-    trace(world, rules, unknown, &Pixels { numbers: &numbers, samples: &[SAMPLES; 16], lens: &lens }, 1, SEED)
+    trace(world, rules, unknown, &Pixels { numbers: &numbers, samples: &[SAMPLES; 16], lens: &lens, picture: Some(x) }, 1, SEED)
 }
 
-/// The picture that a basis makes, and the one that `plain` renders of the same samples, must agree to 10⁻⁶ of the mean.
-fn compare(basis: &Basis, x: &[Vec<f64>; 3], plain: &[f32]) {
-    let mean = plain.iter().map(|v| *v as f64).sum::<f64>() / plain.len() as f64;
+/// A pixel, and the variance of its samples.
+type Told = ([f32; 3], [f32; 3]);
+
+/// The picture that a basis makes, and the one that `plain` renders of the same samples, must agree to 10⁻⁶ of the mean; and so must the
+/// variances of their samples, to what differences of sums leave over.
+fn compare(basis: &Basis, x: &[Vec<f64>; 3], plain: &[Told]) {
+    let mean = plain.iter().flat_map(|told| told.0).map(f64::from).sum::<f64>() / 48.0;
     assert!(mean > 0.01);
-    for pixel in 0..16 {
+    for (pixel, (expected, variance)) in plain.iter().enumerate() {
+        let value = Mixture::new(x).of(basis.pixel(pixel, 0));
         for c in 0..3 {
-            let columns = &basis.pixel(pixel, 0)[c * basis.columns..][..basis.columns];
-            let value: f64 = x[c].iter().zip(columns).map(|(x, v)| x * *v as f64).sum();
-            let expected = plain[3 * pixel + c] as f64;
+            let (value, expected) = (value[c], expected[c] as f64);
             assert!((value - expected).abs() < 1e-6 * (mean + expected), "pixel {pixel}, channel {c}: {value} is not {expected}");
+            let (value, expected) = (basis.variances[pixel][c], variance[c]);
+            let near = 1e-4 * (expected + (mean * mean) as f32);
+            assert!((value - expected).abs() < near, "pixel {pixel}, channel {c}: a variance of {value} is not {expected}");
         }
     }
+    assert!(plain.iter().any(|(expected, variance)| variance[0] > 0.01 * expected[0] * expected[0]));
 }
 
 /// Renders with a material's own numbers, and makes every choice on the way as `guide` does.
@@ -194,16 +201,16 @@ impl<T: Densities> Transport for Plain<'_, T> {
     }
 }
 
-impl<'c, T: Densities> Columns<'c> for Plain<'c, T> {
-    fn columns(self) -> &'c mut [f32] {
+impl<T: Densities> Columns for Plain<'_, T> {
+    fn columns(&mut self) -> &mut [f32] {
         self.sum
     }
 }
 
-fn plain<'c, T: Columns<'c>>(world: &World, rules: &Rules, picture: &'c mut [f32], transport: impl Fn(&'c mut [f32]) -> T) {
-    let pieces = picture.chunks_exact_mut(3).enumerate();
-    let pieces = pieces.map(|(number, columns)| Piece { number, set: 0, samples: SAMPLES, columns });
-    follow(world, rules, &lens, SEED, pieces, transport);
+fn plain<'c, T: Columns>(world: &World, rules: &Rules, picture: &'c mut [Told; 16], transport: impl Fn(&'c mut [f32]) -> T) {
+    let piece = |(number, (columns, variance)): (usize, &'c mut Told)| Piece { number, set: 0, samples: SAMPLES, columns, variance };
+    let mixture = Mixture::new(&[1.0; 3].map(|one| vec![one]));
+    follow(world, rules, &lens, SEED, picture.iter_mut().enumerate().map(piece), Some(&mixture), transport);
 }
 
 /// One basis against renderings with five sets of numbers, at roughnesses that are nodes.
@@ -216,10 +223,11 @@ fn check_rough(kind: Kind, name: &str, sets: [&[f64]; 5]) {
     let rough = Rough::new(material, kind.metal, kind.transmits, nodes, [0.06, 0.15].map(|a| [a * a; 2]).to_vec());
     assert!(grid[0].len() <= LANES);
     let unknown = Unknown::Rough(Box::new(rough.clone()));
-    let basis = basis(&start, &rules, &unknown);
     for a in sets {
+        let x = coefficients(kind, &rough.monomials, &grid, a);
+        let basis = basis(&start, &rules, &unknown, &x);
         let (world, _) = world(&write(a), &rules);
-        let mut picture = vec![0f32; 48];
+        let mut picture = [Told::default(); 16];
         plain(&world, &rules, &mut picture, |sum| Plain {
             guide: rough::Tagging::<1> { rules: &rules, unknown: &rough, columns: &mut [] },
             rules: &rules,
@@ -227,7 +235,7 @@ fn check_rough(kind: Kind, name: &str, sets: [&[f64]; 5]) {
             order: rough::ORDER as u8,
             sum,
         });
-        compare(&basis, &coefficients(kind, &rough.monomials, &grid, a), &picture);
+        compare(&basis, &x, &picture);
     }
 }
 
@@ -282,7 +290,7 @@ fn a_basis_of_dielectric_is_the_picture() {
         let x =
             std::array::from_fn(|c| clear.nodes.iter().map(|t| ((t - DIM.to_array()[c]).abs() < 1e-9) as u8 as f64).collect::<Vec<_>>());
         assert!(x.iter().all(|x| x.iter().sum::<f64>() == 1.0));
-        let mut picture = vec![0f32; 48];
+        let mut picture = [Told::default(); 16];
         let guide = Clear::new(material, false, index);
         plain(&world, &rules, &mut picture, |sum| Plain {
             guide: clear::Dimming { rules: &rules, unknown: &guide, columns: &mut [] },
@@ -291,6 +299,6 @@ fn a_basis_of_dielectric_is_the_picture() {
             order: u8::MAX,
             sum,
         });
-        compare(&basis(&world, &rules, &Unknown::Clear(Box::new(clear))), &x, &picture);
+        compare(&basis(&world, &rules, &Unknown::Clear(Box::new(clear)), &x), &x, &picture);
     }
 }
