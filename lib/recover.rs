@@ -124,7 +124,7 @@ impl Effort<'_> {
 const NEAR: f64 = 0.002;
 const NEAR_INDEX: f64 = 0.0003;
 const NEAR_ROUGHNESS: f64 = 0.016;
-const NEAREST_ROUGHNESS: f64 = 0.0002;
+const NEAREST_ROUGHNESS: f64 = 0.0001;
 
 /// Or what the picture allows: the part of a variance that the rendering may make.
 const OWN: f64 = 0.25;
