@@ -142,6 +142,13 @@ impl<R: BufRead> Reader<R> {
     /// The next bytes; `None` at the end, or if too few are left.
     fn bytes<const N: usize>(&mut self) -> Result<Option<[u8; N]>> {
         let mut bytes = [0; N];
+        if let Ok(ready) = self.input.fill_buf()
+            && let Some(first) = ready.first_chunk()
+        {
+            bytes = *first;
+            self.input.consume(N);
+            return Ok(Some(bytes));
+        }
         for byte in &mut bytes {
             match self.byte()? {
                 Some(b) => *byte = b,
