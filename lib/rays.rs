@@ -142,6 +142,7 @@ impl<R: BufRead> Reader<R> {
     /// The next bytes; `None` at the end, or if too few are left.
     fn bytes<const N: usize>(&mut self) -> Result<Option<[u8; N]>> {
         let mut bytes = [0; N];
+        // Mostly all of them are there; else they come one by one.
         if let Ok(ready) = self.input.fill_buf()
             && let Some(first) = ready.first_chunk()
         {

@@ -1,7 +1,7 @@
 //! A look at the picture: samples where they tell most, the values that explain it best near some others, and how sure they are.
 
 use super::fit::{Valley, derivatives};
-use super::statistics::{BOUNDINGS, Channels, FIRST_PULL, Half, PULL, STEPS, Scores, Sheet, influence, pictures, total};
+use super::statistics::{BOUNDINGS, Channels, FIRST_PULL, Half, PULL, STEPS, Scores, Sheet, influence, pictures, total, weight};
 use super::{Effort, Evidence, Recovery, Seeds};
 use crate::anneal::Parameter;
 use crate::anneal::linear::Symmetric;
@@ -224,11 +224,6 @@ struct Whole<'a> {
 }
 
 impl Whole<'_> {
-    /// How much a pixel counts.
-    fn weight(&self, p: usize, c: usize) -> f64 {
-        0.5 * (self.weights[0][p][c] + self.weights[1][p][c]) as f64
-    }
-
     /// The derivative of each half by each parameter.
     fn derivatives(&self, values: &[f64]) -> Vec<Vec<Half>> {
         let coefficients = |v: &[f64]| self.model.coefficients(v);
@@ -245,7 +240,7 @@ impl Whole<'_> {
         let n = derivatives.len();
         let sums = total(self.target.len(), n + n * n, |p, sums| {
             for c in 0..3 {
-                let (w, rest) = (self.weight(p, c), rest(p, c));
+                let (w, rest) = (weight(self.weights, p, c), rest(p, c));
                 let d = |i: usize| 0.5 * (derivatives[i][0][p][c] + derivatives[i][1][p][c]);
                 for i in 0..n {
                     let wd = w * d(i);
@@ -270,7 +265,7 @@ impl Valley for Whole<'_> {
     fn chi2(&self, values: &[f64]) -> f64 {
         let halves = pictures(self.basis, &self.model.coefficients(values));
         let rest = |p: usize, c: usize| self.target[p][c] as f64 - 0.5 * (halves[0][p][c] + halves[1][p][c]);
-        total(self.target.len(), 1, |p, sum| sum[0] += (0..3).map(|c| self.weight(p, c) * rest(p, c).powi(2)).sum::<f64>())[0]
+        total(self.target.len(), 1, |p, sum| sum[0] += (0..3).map(|c| weight(self.weights, p, c) * rest(p, c).powi(2)).sum::<f64>())[0]
     }
 
     fn normal_equations(&self, values: &[f64]) -> (Vec<f64>, Symmetric) {

@@ -144,6 +144,11 @@ impl<'a> Sheet<'a> {
     }
 }
 
+/// How much a channel of a pixel counts in both halves together.
+pub fn weight(weights: &[Channels; 2], p: usize, c: usize) -> f64 {
+    0.5 * (weights[0][p][c] + weights[1][p][c]) as f64
+}
+
 /// How much the halves of a pixel differ by the samples that they have: the sum of one over each.
 fn inverses(samples: &[f32], pixel: usize) -> f64 {
     1.0 / samples[2 * pixel] as f64 + 1.0 / samples[2 * pixel + 1] as f64
@@ -243,11 +248,6 @@ impl<'a> Scores<'a> {
         self.weights[0].len()
     }
 
-    /// How much a pixel counts in both halves together.
-    fn weight(&self, p: usize, c: usize) -> f64 {
-        0.5 * (self.weights[0][p][c] + self.weights[1][p][c]) as f64
-    }
-
     fn residual(&self, p: usize, c: usize, half: usize) -> f64 {
         self.sheet.target[p][c] as f64 - self.halves[half][p][c]
     }
@@ -276,13 +276,17 @@ impl<'a> Scores<'a> {
         total(self.pixels(), self.derivatives.len(), |p, sums| sums.iter_mut().enumerate().for_each(|(i, sum)| *sum += self.score(i, p)))
     }
 
+    /// How far a pixel by itself moves each value.
+    fn pull(&self, inverse: &[Vec<f64>], p: usize) -> Vec<f64> {
+        times(inverse, &(0..inverse.len()).map(|i| self.score(i, p)).collect::<Vec<_>>())
+    }
+
     /// Weights under which no pixel by itself moves the values too far; `None` if none does. One that sees a lamp by the way in a few samples would
     /// outweigh thousands (bounded influence: Krasker and Welsch 1982).
     pub fn bounded(&self, most: f64) -> Option<[Channels; 2]> {
-        let (n, inverse) = (self.derivatives.len(), self.inverse.as_ref()?);
-        let moved = |p: usize| times(inverse, &(0..n).map(|i| self.score(i, p)).collect::<Vec<_>>());
+        let (inverse, errors) = (self.inverse.as_ref()?, self.covariance.deviations());
         let most = most.max(FEW / (self.pixels() as f64).sqrt());
-        let pulls: Vec<f64> = (0..self.pixels()).into_par_iter().map(|p| self.length(&moved(p)) / most).collect();
+        let pulls: Vec<f64> = (0..self.pixels()).into_par_iter().map(|p| length(&self.pull(inverse, p), &errors) / most).collect();
         let part = |pull: &f64| if *pull > SLACK { 1.0 / *pull as f32 } else { 1.0 };
         let lighter = |half: &Channels| half.iter().zip(&pulls).map(|(w, pull)| w.map(|w| w * part(pull))).collect();
         pulls.iter().any(|pull| *pull > SLACK).then(|| self.weights.each_ref().map(lighter))
@@ -290,7 +294,7 @@ impl<'a> Scores<'a> {
 
     /// The largest part of a step, in standard errors.
     pub fn length(&self, step: &[f64]) -> f64 {
-        step.iter().zip(self.covariance.deviations()).map(|(s, e)| s.abs() / e.max(1e-12)).fold(0.0, f64::max)
+        length(step, &self.covariance.deviations())
     }
 
     /// χ² of equation 11, without what the noise of the rendering adds to it.
@@ -312,7 +316,7 @@ impl<'a> Scores<'a> {
         let n = self.derivatives.len();
         let sums = total(self.pixels(), 2 * n * n, |p, sums| {
             let (all, own) = sums.split_at_mut(n * n);
-            add_square(all, &times(inverse, &(0..n).map(|i| self.score(i, p)).collect::<Vec<_>>()));
+            add_square(all, &self.pull(inverse, p));
             for half in 0..2 {
                 let noise =
                     |c: usize| 0.5 * 0.5f64.sqrt() * (self.halves[0][p][c] - self.halves[1][p][c]) * self.weights[half][p][c] as f64;
@@ -337,14 +341,14 @@ impl<'a> Scores<'a> {
     /// Those of a shape, of a measured light, of the formula of a lobe are not, and no number of pixels averages them out.
     pub fn common(&self) -> Symmetric {
         let value = |p: usize, c: usize| 0.5 * (self.halves[0][p][c] + self.halves[1][p][c]).abs();
-        let (squares, sizes) = self.moved(|p, c| COMMON * value(p, c) * self.weight(p, c));
+        let (squares, sizes) = self.moved(|p, c| COMMON * value(p, c) * weight(self.weights, p, c));
         let correlations = squares.correlations();
         Symmetric::of(sizes.len(), |i, j| if i == j { sizes[i].powi(2) } else { sizes[i] * sizes[j] * correlations.at(i, j) })
     }
 
     /// The covariance of the values that is to be expected of a picture whose noise is what the weights say.
     pub fn expected(&self) -> Symmetric {
-        let mut all = self.moved(|p, c| self.weight(p, c).sqrt()).0;
+        let mut all = self.moved(|p, c| weight(self.weights, p, c).sqrt()).0;
         if let Some(inverse) = &self.inverse {
             let known = |i: usize, j: usize| (0..self.prior.len()).map(|k| inverse[i][k] * inverse[j][k] * self.prior[k]).sum::<f64>();
             all = Symmetric::of(all.size(), |i, j| all.at(i, j) + known(i, j));
@@ -376,7 +380,7 @@ fn trust(sheet: &Sheet, weights: &[Channels; 2], derivative: &[Half]) -> Vec<f64
     let sums = |p: usize| {
         let (mut common, mut whole) = (0.0, 0.0);
         for c in 0..3 {
-            let (a, b, w) = (derivative[0][p][c], derivative[1][p][c], (weights[0][p][c] + weights[1][p][c]) as f64);
+            let (a, b, w) = (derivative[0][p][c], derivative[1][p][c], weight(weights, p, c));
             common += w * a * b;
             whole += w * 0.25 * (a + b) * (a + b);
         }
@@ -414,6 +418,11 @@ pub const BOUNDINGS: usize = 12;
 
 /// Steps toward the values that the scores ask for.
 pub const STEPS: usize = 24;
+
+/// The largest part of a step, in standard errors.
+fn length(step: &[f64], errors: &[f64]) -> f64 {
+    step.iter().zip(errors).map(|(s, e)| s.abs() / e.max(1e-12)).fold(0.0, f64::max)
+}
 
 /// The product of a matrix and a vector.
 fn times(matrix: &[Vec<f64>], x: &[f64]) -> Vec<f64> {
