@@ -61,19 +61,31 @@ pub struct Basis {
 }
 
 /// A picture: what its red, green and blue take of the columns of a basis.
-pub struct Mixture([Vec<(usize, f64)>; 3]);
+pub struct Mixture([Vec<f32>; 3]);
 
 impl Mixture {
-    /// The mixture with these coefficients of the columns of each channel. What is 0 costs nothing.
+    /// The mixture with these coefficients of the columns of each channel.
     pub fn new(x: &[Vec<f64>; 3]) -> Self {
-        let before = [0, x[0].len(), x[0].len() + x[1].len()];
-        Self(std::array::from_fn(|c| x[c].iter().enumerate().filter(|(_, v)| **v != 0.0).map(|(i, v)| (before[c] + i, *v)).collect()))
+        Self(x.each_ref().map(|x| x.iter().map(|&x| x as f32).collect()))
     }
 
     /// The pixel with these columns of all channels.
     pub fn of(&self, columns: &[f32]) -> [f64; 3] {
-        self.0.each_ref().map(|terms| terms.iter().map(|&(i, v)| v * columns[i] as f64).sum())
+        let mut columns = columns;
+        self.0.each_ref().map(|x| {
+            let (channel, rest) = columns.split_at(x.len());
+            columns = rest;
+            product(x, channel)
+        })
     }
+}
+
+/// The scalar product of two vectors.
+fn product(a: &[f32], b: &[f32]) -> f64 {
+    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<LANES>(), b.as_chunks::<LANES>());
+    let lanes = a.iter().zip(b).fold(f32x8::ZERO, |sum, (a, b)| f32x8::from(*a).mul_add(f32x8::from(*b), sum));
+    let rest: f32 = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum();
+    (lanes.reduce_add() + rest) as f64
 }
 
 impl Basis {

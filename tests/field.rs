@@ -177,7 +177,7 @@ fn a_material_is_recovered_from_the_pixels_it_covers_wholly() {
     write("start.rad", "void plastic m 0 0 5 .5 .5 .5 .05 .1\n");
     let view = ["-vp", "0", "-5", "0", "-vd", "0", "1", "0", "-vh", "30", "-vv", "30", "-x", "32", "-y", "32"];
     let mut arguments = view.to_vec();
-    arguments.extend(["--spp", "400", "-o", "target.hdr", "true.rad", "field.rad"]);
+    arguments.extend(["--spp", "1600", "-o", "target.hdr", "true.rad", "field.rad"]);
     assert!(run(path, env!("CARGO_BIN_EXE_rtrace-rs"), &arguments, "").status.success());
     let recovered = |scene: &str| {
         let output = run(path, env!("CARGO_BIN_EXE_anneal"), &["--scene", scene, "--target", "target.hdr", "start.rad"], "");

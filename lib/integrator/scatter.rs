@@ -179,8 +179,8 @@ impl<B: Clone> Integrator<'_, B> {
             && let Some(us) = us.get(..count)
             && let Some(beta) = transport.control(&at.beta, surface, part, us)
         {
-            let u = self.draw(at);
-            let Some(wi) = surface.sample(part, 0, u) else { return };
+            // What is seen along the middle of the lobe is the best guess at what is seen within it.
+            let Some(wi) = surface.sample(part, 0, [0.0; 2]) else { return };
             (from.direction, from.lamps) = (surface.bsdf().to_world(wi), 0.0);
             from.density = transport.drawn(&at.beta, surface, wi, part, 0, ways.counts[k]).1;
             at.exact = false;

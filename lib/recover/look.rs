@@ -1,7 +1,7 @@
 //! A look at the picture: samples where they tell most, the values that explain it best near some others, and how sure they are.
 
 use super::fit::{Valley, derivatives};
-use super::statistics::{BOUNDINGS, Channels, FIRST_PULL, Half, PULL, STEPS, Scores, Sheet, influence, pictures, total, weight};
+use super::statistics::{BOUNDINGS, Channels, FIRST_PULL, PULL, Place, STEPS, Scores, Sheet, influence, pictures, products, total, weight};
 use super::{Effort, Evidence, Recovery, Seeds};
 use crate::anneal::Parameter;
 use crate::anneal::linear::Symmetric;
@@ -35,9 +35,9 @@ const MOST: f64 = 1024.0;
 const FIRST: f64 = 80_000.0;
 const EACH: (f64, f64) = (24.0, 64.0);
 
-/// By how much a round adds to all samples before it; less than the last is not worth a round.
-const GROWTH: (f64, f64) = (0.5, 2.0);
-const LEAST_GROWTH: f64 = 0.2;
+/// By how much a round adds to all samples before it, at the least and at the most: errors fall faster than samples grow while the derivatives
+/// are noise too, and whoever trusts the square root takes far too many.
+const GROWTH: (f64, f64) = (0.2, 0.8);
 
 /// The most rounds; and how many samples of all pixels, in each half, are enough where no tolerance is asked for.
 const ROUNDS: usize = 12;
@@ -85,7 +85,7 @@ impl Look<'_> {
             // So many times as many samples as before may still be taken.
             let most = GROWTH.1.min(budget - 1.0).min(time);
             let contents = self.effort.contents(self.parameters, &found, &before);
-            if strayed || contents || round == ROUNDS || self.effort.quick || most < LEAST_GROWTH {
+            if strayed || contents || round == ROUNDS || self.effort.quick || most < GROWTH.0 {
                 return found;
             }
             best.clone_from(&found.values);
@@ -109,27 +109,40 @@ impl Look<'_> {
 
     /// The values that explain the picture best, near some; and how much the error of a sample in each pixel disturbs them.
     fn fit(&self, sheet: &Sheet, model: &dyn Model, basis: &Basis, near: &[f64]) -> (Recovery, Vec<f64>) {
-        let halves = pictures(basis, &model.coefficients(near));
+        let halves = pictures(basis, &[model.coefficients(near)]).swap_remove(0);
         let variances = sheet.variances(&halves, basis);
-        let mut weights = sheet.by_variance(&halves, &variances, &basis.samples);
+        let weights = sheet.by_variance(&halves, &variances, &basis.samples);
         // The bottom of the whole χ², which is safe to find though its place is biased by the noise of the rendering.
         let whole = Whole { model, basis, target: &sheet.target, weights: &weights, bounds: self.bounds };
         let mut values = whole.polish(near, &vec![true; near.len()]).values;
+        let at = |values: &[f64], weights| Scores::new(sheet, weights, Place::new(model, basis, values, self.bounds), self.bounds);
+        let mut now = at(&values, weights);
         // What is far too bright by chance must not lead astray; what pulls hard because the values are not there yet, may.
         for _ in 0..BOUNDINGS {
-            let Some(lighter) = scores(sheet, &weights, model, basis, &values, self.bounds).bounded(FIRST_PULL) else { break };
-            weights = lighter;
+            let Some(lighter) = now.bounded(FIRST_PULL) else { break };
+            now = Scores::new(sheet, lighter, now.place, self.bounds);
         }
-        // From there to where the scores vanish, which has no such bias; and again without what single pixels make of it.
-        let mut turn = 1;
-        let now = loop {
-            let now = self.settle(sheet, &weights, model, basis, &mut values);
-            match now.bounded(PULL) {
-                Some(lighter) if turn < BOUNDINGS => weights = lighter,
-                _ => break now,
+        // From there to where the scores vanish, which has no such bias.
+        let mut size = f64::INFINITY;
+        for _ in 0..STEPS {
+            let Some((moved, taken)) = self.step(&now, model, &values).filter(|(_, taken)| *taken < size) else { break };
+            (values, size) = (moved, taken);
+            now = at(&values, now.weights);
+            if taken < STEADY {
+                break;
             }
-            turn += 1;
-        };
+        }
+        // And on without what single pixels make of it, until that is the same.
+        for _ in 0..BOUNDINGS {
+            let Some(lighter) = now.bounded(PULL) else { break };
+            now = Scores::new(sheet, lighter, now.place, self.bounds);
+            let Some((moved, taken)) = self.step(&now, model, &values) else { break };
+            values = moved;
+            now = at(&values, now.weights);
+            if taken < STEADY {
+                break;
+            }
+        }
         let wished: Vec<f64> = self.parameters.iter().zip(&values).map(|(p, value)| self.effort.near(p, *value)).collect();
         let influence = influence(&now, &variances, &wished);
         let losses = if self.effort.quick { now.losses(&sheet.relative()) } else { vec![] };
@@ -137,36 +150,17 @@ impl Look<'_> {
         (Recovery { values, covariance: now.covariance, own: now.own, common, chi2, pixels, losses }, influence)
     }
 
-    /// Moves values to where the scores of pixels of these weights vanish.
-    fn settle<'s>(
-        &self,
-        sheet: &'s Sheet<'s>,
-        weights: &'s [Channels; 2],
-        model: &dyn Model,
-        basis: &Basis,
-        values: &mut Vec<f64>,
-    ) -> Scores<'s> {
-        let scores = |values: &[f64]| scores(sheet, weights, model, basis, values, self.bounds);
-        let mut now = scores(values);
-        let mut size = f64::INFINITY;
-        for _ in 0..STEPS {
-            let Some(step) = now.step() else { break };
-            let moved: Vec<f64> = values.iter().zip(&step).zip(self.bounds).map(|((v, s), b)| (v + s).clamp(b.0, b.1)).collect();
-            let moved = model.trusted(&moved);
-            let taken = now.length(&moved.iter().zip(&*values).map(|(a, b)| a - b).collect::<Vec<_>>());
-            if !(taken < size) {
-                break;
-            }
-            size = taken;
-            *values = moved;
-            now = scores(values);
-            if taken < 0.05 {
-                break;
-            }
-        }
-        now
+    /// Where the scores ask values to move, as far as the model can be trusted, and how far that is in standard errors.
+    fn step(&self, now: &Scores, model: &dyn Model, values: &[f64]) -> Option<(Vec<f64>, f64)> {
+        let asked: Vec<f64> = values.iter().zip(now.step()?).zip(self.bounds).map(|((v, s), b)| (v + s).clamp(b.0, b.1)).collect();
+        let moved = model.trusted(&asked);
+        let taken = now.length(&moved.iter().zip(values).map(|(a, b)| a - b).collect::<Vec<_>>());
+        Some((moved, taken))
     }
 }
+
+/// A step that is not worth another, in standard errors.
+const STEADY: f64 = 0.05;
 
 /// The part of the samples that all pixels share evenly: what few samples say of a pixel may be wrong.
 const EVEN: f64 = 0.3;
@@ -186,21 +180,6 @@ fn shared(mean: f64, influence: &[f64], have: &[f32]) -> Vec<u32> {
         if add(middle).sum::<f64>() > wanted { high = middle } else { low = middle }
     }
     add(low).map(|more| more as u32).collect()
-}
-
-/// What pixels of some weights say about values.
-pub fn scores<'a>(
-    sheet: &'a Sheet<'a>,
-    weights: &'a [Channels; 2],
-    model: &dyn Model,
-    basis: &Basis,
-    values: &[f64],
-    bounds: &[(f64, f64)],
-) -> Scores<'a> {
-    let whole = Whole { model, basis, target: &sheet.target, weights, bounds };
-    let derivatives = whole.derivatives(values);
-    let curvature = whole.curvature(&derivatives);
-    Scores::new(sheet, weights, pictures(basis, &model.coefficients(values)), derivatives, curvature, bounds)
 }
 
 /// Pixels in an order in which each first part of them is spread over the picture, in squares that keep neighbours together.
@@ -223,36 +202,6 @@ struct Whole<'a> {
     bounds: &'a [(f64, f64)],
 }
 
-impl Whole<'_> {
-    /// The derivative of each half by each parameter.
-    fn derivatives(&self, values: &[f64]) -> Vec<Vec<Half>> {
-        let coefficients = |v: &[f64]| self.model.coefficients(v);
-        derivatives(&coefficients, self.bounds, values).iter().map(|j| pictures(self.basis, j)).collect()
-    }
-
-    /// Gauss and Newton's matrix.
-    fn curvature(&self, derivatives: &[Vec<Half>]) -> Symmetric {
-        self.sum_of_products(derivatives, |_, _| 0.0).1
-    }
-
-    /// The sums over pixels and channels of weight × derivative × `rest`, and of weight × derivative × derivative.
-    fn sum_of_products(&self, derivatives: &[Vec<Half>], rest: impl Fn(usize, usize) -> f64 + Sync) -> (Vec<f64>, Symmetric) {
-        let n = derivatives.len();
-        let sums = total(self.target.len(), n + n * n, |p, sums| {
-            for c in 0..3 {
-                let (w, rest) = (weight(self.weights, p, c), rest(p, c));
-                let d = |i: usize| 0.5 * (derivatives[i][0][p][c] + derivatives[i][1][p][c]);
-                for i in 0..n {
-                    let wd = w * d(i);
-                    sums[i] += wd * rest;
-                    (0..=i).for_each(|j| sums[n + i * n + j] += wd * d(j));
-                }
-            }
-        });
-        (sums[..n].to_vec(), Symmetric::of(n, |i, j| sums[n + i * n + j]))
-    }
-}
-
 impl Valley for Whole<'_> {
     fn bounds(&self) -> &[(f64, f64)] {
         self.bounds
@@ -263,14 +212,24 @@ impl Valley for Whole<'_> {
     }
 
     fn chi2(&self, values: &[f64]) -> f64 {
-        let halves = pictures(self.basis, &self.model.coefficients(values));
+        let halves = pictures(self.basis, &[self.model.coefficients(values)]).swap_remove(0);
         let rest = |p: usize, c: usize| self.target[p][c] as f64 - 0.5 * (halves[0][p][c] + halves[1][p][c]);
         total(self.target.len(), 1, |p, sum| sum[0] += (0..3).map(|c| weight(self.weights, p, c) * rest(p, c).powi(2)).sum::<f64>())[0]
     }
 
     fn normal_equations(&self, values: &[f64]) -> (Vec<f64>, Symmetric) {
-        let halves = pictures(self.basis, &self.model.coefficients(values));
-        let derivatives = self.derivatives(values);
-        self.sum_of_products(&derivatives, |p, c| 0.5 * (halves[0][p][c] + halves[1][p][c]) - self.target[p][c] as f64)
+        let Place { halves, derivatives } = Place::new(self.model, self.basis, values, self.bounds);
+        products(self.weights, &derivatives, |p, c| 0.5 * (halves[0][p][c] + halves[1][p][c]) - self.target[p][c] as f64)
+    }
+}
+
+impl Place {
+    /// What a model says at values inside bounds.
+    pub fn new(model: &dyn Model, basis: &Basis, values: &[f64], bounds: &[(f64, f64)]) -> Self {
+        let coefficients = |v: &[f64]| model.coefficients(v);
+        let mut all = derivatives(&coefficients, bounds, values);
+        all.push(model.coefficients(values));
+        let mut derivatives = pictures(basis, &all);
+        Self { halves: derivatives.swap_remove(derivatives.len() - 1), derivatives }
     }
 }

@@ -1,9 +1,9 @@
 //! How sure a photograph would make the values, before any is taken: from the scene, the view, the light, and the noise that a photograph has.
 
 use super::doubts::Known;
-use super::look::{Model, scores};
+use super::look::Model;
 use super::model::Kind;
-use super::statistics::{COMMON, Channels, Sheet, pictures};
+use super::statistics::{COMMON, Channels, Place, Scores, Sheet};
 use super::{Evidence, clear, rough, supported};
 use crate::anneal::linear::Symmetric;
 use crate::error::Result;
@@ -63,7 +63,8 @@ fn by(model: &mut dyn Model, evidence: &Evidence, unknown: &Unknown, pixels: &[u
     model.tune(&values, None);
     let each = (SAMPLES / (pixels.len() as f64)).clamp(EACH.0, EACH.1);
     let basis = model.trace(pixels, &vec![each as u32; 2 * pixels.len()], seed);
-    let halves = pictures(&basis, &model.coefficients(&values));
+    let place = Place::new(model, &basis, &values, &bounds);
+    let halves = &place.halves;
     // What would be photographed is what is rendered.
     let (width, height) = (evidence.film.width, evidence.film.height);
     let mut target = Picture { width, height, header: Header::default(), pixels: vec![[0.0; 3]; width * height] };
@@ -76,6 +77,6 @@ fn by(model: &mut dyn Model, evidence: &Evidence, unknown: &Unknown, pixels: &[u
     let weights: Channels =
         sheet.target.iter().map(|t| t.map(|v| ((NOISE * v as f64).powi(2) + dark * dark).max(f64::MIN_POSITIVE).recip() as f32)).collect();
     let weights = [weights.clone(), weights];
-    let scores = scores(&sheet, &weights, model, &basis, &values, &bounds);
+    let scores = Scores::new(&sheet, weights, place, &bounds);
     Ok(Prediction { covariance: scores.expected(), common: scores.common(), pixels: pixels.len(), level: sheet.level })
 }

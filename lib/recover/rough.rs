@@ -36,6 +36,9 @@ const WIDE: [f64; 3] = [0.3, 1.0, 3.0];
 const NARROW: [f64; 2] = [0.8, 1.3];
 const KNOWN: f64 = 0.1;
 
+/// By which factor a roughness may move from where directions are drawn: farther off few of them tell of it, and their noise passes for signal.
+const REACH: f64 = 2.0;
+
 /// A roughness below which one more direction is worth its cost: at .01 it makes errors three times smaller, at .12 no smaller.
 const SHARP: f64 = 0.04;
 
@@ -54,6 +57,8 @@ struct Stage<'a> {
     /// Roughnesses of the nodes.
     grid: Grid,
     what: transport::Unknown,
+    /// The roughnesses that directions are drawn around.
+    middle: [f64; 2],
     /// The coefficients of the columns of each channel, as far as is known.
     guess: Option<[Vec<f64>; 3]>,
 }
@@ -61,8 +66,9 @@ struct Stage<'a> {
 impl<'a> Stage<'a> {
     /// A stage with these nodes, all seen along directions drawn from these roughnesses.
     fn new(evidence: &'a Evidence<'a>, unknown: &'a Unknown, material: MaterialId, kind: Kind, grid: Grid, proposals: Vec<Alpha>) -> Self {
+        let middle = grid.each_ref().map(|nodes| nodes[nodes.len() / 2]);
         let rough = Rough::new(material, kind.metal, kind.transmits, alphas(kind, &grid), proposals);
-        Self { evidence, unknown, kind, grid, what: transport::Unknown::Rough(Box::new(rough)), guess: None }
+        Self { evidence, unknown, kind, grid, what: transport::Unknown::Rough(Box::new(rough)), middle, guess: None }
     }
 
     /// The axes whose roughness is unknown, and its place among the parameters.
@@ -81,6 +87,7 @@ impl Model for Stage<'_> {
     fn tune(&mut self, values: &[f64], errors: Option<&[f64]>) {
         let a = self.unknown.reals(values);
         let middle = roughness(self.kind, &a);
+        self.middle = middle;
         let known = self.axes().all(|(axis, slot)| errors.is_some_and(|e| e[slot] < KNOWN * middle[axis]));
         let factors: &[f64] = if known { &NARROW } else { &WIDE };
         let transport::Unknown::Rough(rough) = &mut self.what else { unreachable!() };
@@ -104,7 +111,8 @@ impl Model for Stage<'_> {
     fn trusted(&self, values: &[f64]) -> Vec<f64> {
         let mut values = values.to_vec();
         for (axis, slot) in self.axes() {
-            values[slot] = values[slot].clamp(self.grid[axis][0], self.grid[axis][self.grid[axis].len() - 1]);
+            let (grid, middle) = (&self.grid[axis], self.middle[axis]);
+            values[slot] = values[slot].clamp(grid[0].max(middle / REACH), grid[grid.len() - 1].min(middle * REACH));
         }
         values
     }

@@ -69,7 +69,7 @@ impl<'a> Sheet<'a> {
             }
             if count > 0.0 { sum.map(|s| s / count) } else { values[self.places[n] as usize] }
         };
-        self.numbers.iter().map(mean).collect()
+        self.numbers.par_iter().map(mean).collect()
     }
 
     fn masked(&self, i: usize, weight: [f64; 3]) -> [f32; 3] {
@@ -168,12 +168,44 @@ pub const COMMON: f64 = 0.015;
 /// And the relative misfit of a perfect photograph.
 const MISFIT: f64 = 0.01;
 
-/// The picture that each set of a basis makes of the coefficients `x`. What is 0 in x costs nothing.
-pub fn pictures(basis: &Basis, x: &[Vec<f64>; 3]) -> Vec<Half> {
-    let mixture = Mixture::new(x);
+/// The pictures that each set of a basis makes of some coefficients, for each of them. A pixel is read once for all.
+pub fn pictures(basis: &Basis, coefficients: &[[Vec<f64>; 3]]) -> Vec<Vec<Half>> {
+    let mixtures: Vec<Mixture> = coefficients.iter().map(Mixture::new).collect();
     let pixels = basis.samples.len() / basis.sets;
-    let picture = |set| (0..pixels).into_par_iter().with_min_len(512).map(|p| mixture.of(basis.pixel(p, set))).collect();
-    (0..basis.sets).map(picture).collect()
+    let width = mixtures.len() * basis.sets;
+    let mut rows = vec![[0.0; 3]; pixels * width];
+    rows.par_chunks_mut(width).enumerate().with_min_len(512).for_each(|(p, row)| {
+        for (i, value) in row.iter_mut().enumerate() {
+            *value = mixtures[i % mixtures.len()].of(basis.pixel(p, i / mixtures.len()));
+        }
+    });
+    let picture = |i: usize| rows.iter().skip(i).step_by(width).copied().collect();
+    (0..mixtures.len()).map(|i| (0..basis.sets).map(|set| picture(set * mixtures.len() + i)).collect()).collect()
+}
+
+/// What a model says at some values of the parameters.
+pub struct Place {
+    /// The picture of each half.
+    pub halves: Vec<Half>,
+    /// Its derivative by each parameter, of each half.
+    pub derivatives: Vec<Vec<Half>>,
+}
+
+/// The sums over pixels and channels of weight × derivative × `rest`, and of weight × derivative × derivative, for the mean of both halves.
+pub fn products(weights: &[Channels; 2], derivatives: &[Vec<Half>], rest: impl Fn(usize, usize) -> f64 + Sync) -> (Vec<f64>, Symmetric) {
+    let n = derivatives.len();
+    let sums = total(weights[0].len(), n + n * n, |p, sums| {
+        for c in 0..3 {
+            let (w, rest) = (weight(weights, p, c), rest(p, c));
+            let d = |i: usize| 0.5 * (derivatives[i][0][p][c] + derivatives[i][1][p][c]);
+            for i in 0..n {
+                let wd = w * d(i);
+                sums[i] += wd * rest;
+                (0..=i).for_each(|j| sums[n + i * n + j] += wd * d(j));
+            }
+        }
+    });
+    (sums[..n].to_vec(), Symmetric::of(n, |i, j| sums[n + i * n + j]))
 }
 
 /// What the pixels say about the values: the products of residuals and derivatives of independent halves, which have no bias from the noise
@@ -183,16 +215,13 @@ pub fn pictures(basis: &Basis, x: &[Vec<f64>; 3]) -> Vec<Half> {
 /// (Reiersøl 1945; Hansen 1982): the derivative, shrunk by how far those of the two halves agree around the pixel (Wiener 1949).
 pub struct Scores<'a> {
     sheet: &'a Sheet<'a>,
-    weights: &'a [Channels; 2],
-    /// The picture of each half.
-    halves: Vec<Half>,
-    /// Its derivative by each parameter, of each half.
-    derivatives: Vec<Vec<Half>>,
+    /// How much its pixels count in each half.
+    pub weights: [Channels; 2],
+    /// What the model says there.
+    pub place: Place,
     /// How far each derivative is to be trusted at each pixel.
     trust: Vec<Vec<f64>>,
-    /// What takes scores to a step that is safe; `None` if the pixels do not determine the values.
-    forward: Option<Symmetric>,
-    /// What takes scores to all steps together: nearly the inverse of the matrix that takes values to scores.
+    /// What takes scores to steps: nearly the inverse of the matrix that takes values to scores. `None` if the pixels do not determine the values.
     inverse: Option<Vec<Vec<f64>>>,
     /// What is known before of each parameter: one over the variance of a value anywhere between its bounds.
     prior: Vec<f64>,
@@ -203,29 +232,22 @@ pub struct Scores<'a> {
 }
 
 impl<'a> Scores<'a> {
-    /// The scores where `halves` are the pictures and `derivatives` their derivatives by parameters with these bounds.
-    /// `curvature` is Gauss and Newton's matrix of the mean of both halves.
-    pub fn new(
-        sheet: &'a Sheet<'a>,
-        weights: &'a [Channels; 2],
-        halves: Vec<Half>,
-        derivatives: Vec<Vec<Half>>,
-        mut curvature: Symmetric,
-        bounds: &[(f64, f64)],
-    ) -> Self {
-        let trust = derivatives.par_iter().map(|d| trust(sheet, weights, d)).collect();
+    /// The scores at a place, for parameters with these bounds.
+    pub fn new(sheet: &'a Sheet<'a>, weights: [Channels; 2], place: Place, bounds: &[(f64, f64)]) -> Self {
+        let derivatives = &place.derivatives;
+        let mut curvature = products(&weights, derivatives, |_, _| 0.0).1;
+        let trust = derivatives.par_iter().map(|d| trust(sheet, &weights, d)).collect();
         let prior = bounds.iter().map(|(low, high)| 12.0 / (high - low).powi(2).max(f64::MIN_POSITIVE)).collect();
         let n = derivatives.len();
         let unknown = Symmetric::diagonal(&vec![f64::INFINITY; n]);
         let (covariance, own) = (unknown.clone(), unknown);
-        let mut scores = Self { sheet, weights, halves, derivatives, trust, forward: None, inverse: None, prior, covariance, own };
+        let mut scores = Self { sheet, weights, place, trust, inverse: None, prior, covariance, own };
         let mut slopes = scores.slopes();
         for i in 0..n {
             slopes[i][i] += scores.prior[i];
             curvature.set(i, i, curvature.at(i, i) + scores.prior[i]);
         }
-        scores.forward = curvature.inverse();
-        scores.inverse = scores.forward.as_ref().map(|forward| landweber(forward, &slopes));
+        scores.inverse = curvature.inverse().map(|forward| landweber(&forward, &slopes));
         if let Some(inverse) = &scores.inverse {
             (scores.covariance, scores.own) = scores.covariances(inverse);
         }
@@ -235,7 +257,7 @@ impl<'a> Scores<'a> {
     /// For each pair of parameters, the sum over pixels and channels of weight × instrument of one half × what the other half has there, both
     /// ways.
     fn slopes(&self) -> Vec<Vec<f64>> {
-        let (d, n) = (&self.derivatives, self.derivatives.len());
+        let (d, n) = (&self.place.derivatives, self.place.derivatives.len());
         let half = |i: usize, j: usize, p: usize, c: usize, h: usize| self.weights[h][p][c] as f64 * d[i][h][p][c] * d[j][1 - h][p][c];
         let both = |i: usize, j: usize, p: usize| 0.5 * (0..3).map(|c| half(i, j, p, c, 0) + half(i, j, p, c, 1)).sum::<f64>();
         let sums = total(self.pixels(), n * n, |p, sums| {
@@ -249,12 +271,12 @@ impl<'a> Scores<'a> {
     }
 
     fn residual(&self, p: usize, c: usize, half: usize) -> f64 {
-        self.sheet.target[p][c] as f64 - self.halves[half][p][c]
+        self.sheet.target[p][c] as f64 - self.place.halves[half][p][c]
     }
 
     /// A pixel's part of the score of parameter `i`.
     fn score(&self, i: usize, p: usize) -> f64 {
-        let d = &self.derivatives[i];
+        let d = &self.place.derivatives[i];
         let cross = |c: usize| {
             let half = |h: usize| self.weights[h][p][c] as f64 * d[h][p][c] * self.residual(p, c, 1 - h);
             0.5 * (half(0) + half(1))
@@ -263,17 +285,15 @@ impl<'a> Scores<'a> {
     }
 
     /// A step toward where the scores vanish; `None` if there is no saying.
-    ///
-    /// The slope of the scores is itself known by the noise alone where little is sampled, and its inverse may lead anywhere. The curvature of
-    /// χ² is too steep by the noise, but never flat: [`STEPS`] steps by its inverse come nearly as far where the slope is well known, and
-    /// not astray where it is not (Landweber 1951).
     pub fn step(&self) -> Option<Vec<f64>> {
-        self.forward.as_ref().map(|forward| forward.times(&self.scores()))
+        self.inverse.as_ref().map(|inverse| times(inverse, &self.scores()))
     }
 
     /// The score of each parameter.
     fn scores(&self) -> Vec<f64> {
-        total(self.pixels(), self.derivatives.len(), |p, sums| sums.iter_mut().enumerate().for_each(|(i, sum)| *sum += self.score(i, p)))
+        total(self.pixels(), self.place.derivatives.len(), |p, sums| {
+            sums.iter_mut().enumerate().for_each(|(i, sum)| *sum += self.score(i, p))
+        })
     }
 
     /// How far a pixel by itself moves each value.
@@ -313,14 +333,15 @@ impl<'a> Scores<'a> {
     ///
     /// The sandwich form (White 1980), the scores summed per pixel over the channels, whose errors go together.
     fn covariances(&self, inverse: &[Vec<f64>]) -> (Symmetric, Symmetric) {
-        let n = self.derivatives.len();
+        let n = self.place.derivatives.len();
         let sums = total(self.pixels(), 2 * n * n, |p, sums| {
             let (all, own) = sums.split_at_mut(n * n);
             add_square(all, &self.pull(inverse, p));
             for half in 0..2 {
-                let noise =
-                    |c: usize| 0.5 * 0.5f64.sqrt() * (self.halves[0][p][c] - self.halves[1][p][c]) * self.weights[half][p][c] as f64;
-                let score = |i: usize| self.trust[i][p] * (0..3).map(|c| noise(c) * self.derivatives[i][half][p][c]).sum::<f64>();
+                let noise = |c: usize| {
+                    0.5 * 0.5f64.sqrt() * (self.place.halves[0][p][c] - self.place.halves[1][p][c]) * self.weights[half][p][c] as f64
+                };
+                let score = |i: usize| self.trust[i][p] * (0..3).map(|c| noise(c) * self.place.derivatives[i][half][p][c]).sum::<f64>();
                 add_square(own, &times(inverse, &(0..n).map(score).collect::<Vec<_>>()));
             }
         });
@@ -340,15 +361,15 @@ impl<'a> Scores<'a> {
     /// Standard errors take the errors of pixels for independent, so that thousands of pixels can tell a value by changes of a thousandth.
     /// Those of a shape, of a measured light, of the formula of a lobe are not, and no number of pixels averages them out.
     pub fn common(&self) -> Symmetric {
-        let value = |p: usize, c: usize| 0.5 * (self.halves[0][p][c] + self.halves[1][p][c]).abs();
-        let (squares, sizes) = self.moved(|p, c| COMMON * value(p, c) * weight(self.weights, p, c));
+        let value = |p: usize, c: usize| 0.5 * (self.place.halves[0][p][c] + self.place.halves[1][p][c]).abs();
+        let (squares, sizes) = self.moved(|p, c| COMMON * value(p, c) * weight(&self.weights, p, c));
         let correlations = squares.correlations();
         Symmetric::of(sizes.len(), |i, j| if i == j { sizes[i].powi(2) } else { sizes[i] * sizes[j] * correlations.at(i, j) })
     }
 
     /// The covariance of the values that is to be expected of a picture whose noise is what the weights say.
     pub fn expected(&self) -> Symmetric {
-        let mut all = self.moved(|p, c| weight(self.weights, p, c).sqrt()).0;
+        let mut all = self.moved(|p, c| weight(&self.weights, p, c).sqrt()).0;
         if let Some(inverse) = &self.inverse {
             let known = |i: usize, j: usize| (0..self.prior.len()).map(|k| inverse[i][k] * inverse[j][k] * self.prior[k]).sum::<f64>();
             all = Symmetric::of(all.size(), |i, j| all.at(i, j) + known(i, j));
@@ -358,9 +379,9 @@ impl<'a> Scores<'a> {
 
     /// What errors of that weight in each pixel and channel do to the values: the sum of their products, and of their sizes.
     fn moved(&self, error: impl Fn(usize, usize) -> f64 + Sync) -> (Symmetric, Vec<f64>) {
-        let n = self.derivatives.len();
+        let n = self.place.derivatives.len();
         let Some(inverse) = &self.inverse else { return (Symmetric::diagonal(&vec![f64::INFINITY; n]), vec![f64::INFINITY; n]) };
-        let d = &self.derivatives;
+        let d = &self.place.derivatives;
         let sums = total(self.pixels(), n + n * n, |p, sums| {
             let (sizes, squares) = sums.split_at_mut(n);
             for c in 0..3 {
@@ -397,7 +418,7 @@ pub fn influence(scores: &Scores, variances: &[Vec<[f64; 3]>; 2], wished: &[f64]
     let Some(inverse) = &scores.inverse else { return vec![1.0; scores.pixels()] };
     let n = wished.len();
     let half = |half: usize, p: usize| -> f64 {
-        let instrument = |j: usize, c: usize| scores.trust[j][p].sqrt() * scores.derivatives[j][half][p][c];
+        let instrument = |j: usize, c: usize| scores.trust[j][p].sqrt() * scores.place.derivatives[j][half][p][c];
         let moved = |i: usize, c: usize| (0..n).map(|j| inverse[i][j] * instrument(j, c)).sum::<f64>() / wished[i];
         let weight = |c: usize| scores.weights[half][p][c] as f64;
         let channel = |c: usize| variances[half][p][c] * weight(c).powi(2) * (0..n).map(|i| moved(i, c).powi(2)).sum::<f64>();
@@ -416,7 +437,7 @@ pub const FIRST_PULL: f64 = 0.3;
 const SLACK: f64 = 1.1;
 pub const BOUNDINGS: usize = 12;
 
-/// Steps toward the values that the scores ask for.
+/// Steps toward the values that the scores ask for, and of what a step is made of.
 pub const STEPS: usize = 24;
 
 /// The largest part of a step, in standard errors.
@@ -452,7 +473,11 @@ pub fn total(count: usize, width: usize, part: impl Fn(usize, &mut [f64]) + Sync
 /// Pixels that are summed at a time.
 const PIECE: usize = 512;
 
-/// What [`STEPS`] steps by `forward` make of scores that change with the values by `slopes`.
+/// What takes scores that change with the values by `slopes` to a step: what [`STEPS`] steps by `forward`, the inverse of the curvature, come to.
+///
+/// The slope of the scores is itself known by the noise alone where little is sampled, and its inverse may lead anywhere. The curvature of
+/// χ² is too steep by the noise, but never flat: many steps by its inverse come nearly as far where the slope is well known, and
+/// not astray where it is not (Landweber 1951).
 fn landweber(forward: &Symmetric, slopes: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let n = forward.size();
     let forward: Vec<Vec<f64>> = (0..n).map(|i| (0..n).map(|j| forward.at(i, j)).collect()).collect();

@@ -149,6 +149,14 @@ impl Rough {
         (nodes, self.drawn.iter().map(|lanes| gaussian(lanes).reduce_add()).sum())
     }
 
+    /// How much the choice of a way on counts each part: what it carries, as far as is known, but never so little that what it does carry comes in
+    /// few samples that weigh much.
+    fn weights(&self) -> [f64; 4] {
+        let sizes = self.guess.map_or([UNKNOWN_SHARE; 4], |guess| guess.map(|g| g.max_element()));
+        let least = LEAST_SHARE * sizes.into_iter().fold(UNKNOWN_SHARE, f64::max);
+        std::array::from_fn(|part| if part % 2 == 1 && !self.transmits { 0.0 } else { sizes[part].max(least) })
+    }
+
     /// The product after one more part, and what else is to be multiplied with.
     fn meet(&self, monomial: u8, part: Part) -> Option<(u8, Rgb)> {
         match self.monomials.times(monomial, part) {
@@ -187,8 +195,9 @@ pub(super) enum Surface<'a> {
     Unknown { shape: Bsdf, pattern: Rgb, unknown: &'a Rough },
 }
 
-/// What a part of the unknown counts for in the choice of a way on: the same whatever its coefficients are.
-const SHARE: f64 = 0.5;
+/// What a part of the unknown counts for in the choice of a way on where nothing is known of it; and the least, in terms of the largest.
+const UNKNOWN_SHARE: f64 = 0.5;
+const LEAST_SHARE: f64 = 0.1;
 
 impl<const L: usize> Tagging<'_, L> {
     /// A part's value at a direction, without its coefficient, and the density with which its samples are drawn there.
@@ -388,8 +397,7 @@ impl Scattering for Surface<'_> {
     fn weights(&self) -> [f64; 4] {
         match self {
             Self::Known(bsdf) => bsdf.weights(),
-            Self::Unknown { unknown, .. } if unknown.transmits => [SHARE; 4],
-            Self::Unknown { .. } => [SHARE, 0.0, SHARE, 0.0],
+            Self::Unknown { unknown, .. } => unknown.weights(),
         }
     }
 
