@@ -22,6 +22,9 @@ const VIEW_LINES: [&str; 8] = ["VIEW=", "rpict", "rvu", "rpiece", "rxpiece", "pi
 /// Planes nearer than this to the viewpoint, and sizes smaller than this, are none.
 const TINY: f64 = 1e-6;
 
+/// The largest number of a view: of what is farther the squares overflow.
+const FARTHEST: f64 = 1e30;
+
 /// A view as it is written. Lengths are in world units, angles in degrees.
 #[derive(Clone, Debug, PartialEq)]
 pub struct View {
@@ -161,6 +164,12 @@ impl View {
     /// The camera of this view. Errors say what is impossible about it.
     pub fn ready(&self) -> Result<Camera> {
         let fails = |message: String| Err(Error::new(message));
+        let vectors = [("-vp", self.point), ("-vd", self.direction), ("-vu", self.up)].map(|(option, v)| (option, v.abs().max_element()));
+        let Self { horizontal, vertical, fore, aft, shift, lift, .. } = *self;
+        let numbers = [("-vh", horizontal), ("-vv", vertical), ("-vo", fore), ("-va", aft), ("-vs", shift), ("-vl", lift)];
+        if let Some((option, number)) = vectors.into_iter().chain(numbers).find(|(_, number)| number.abs() > FARTHEST) {
+            return fails(format!("{option} {number:e}: the numbers of a view go up to {FARTHEST:e}"));
+        }
         if self.fore < -TINY || self.aft < -TINY || (self.aft > TINY && self.aft <= self.fore) {
             return fails(format!(
                 "-vo {} -va {}: neither may be negative, and the aft plane must lie behind the fore plane",

@@ -216,6 +216,9 @@ fn impossible_views_say_why() {
         ("-vp 1 2 x", "-vp"),
         ("-vh nan", "-vh"),
         ("-vf absent.vf", "absent.vf: no such file"),
+        // Taken by vwrays, whose rays of the first have directions of length 0.
+        ("-vs -4e172", "-vs -4e172: the numbers of a view go up to 1e30"),
+        ("-vp 0 -1e31 0", "-vp 1e31"),
     ] {
         assert!(error(line).contains(word), "{line}: {}", error(line));
     }
