@@ -2,10 +2,10 @@
 
 use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
-use obvhs::bvh2::builder::build_bvh2;
+use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
+use obvhs::ploc::PlocBuilder;
 use rayon::prelude::*;
 use std::collections::HashMap;
-use std::time::Duration;
 
 /// As many primitives as may have their middle in one place before they are built apart: `obvhs` takes quadratic time for them.
 const CROWD: usize = 64;
@@ -47,13 +47,19 @@ impl Binary {
             joined = subjects.iter().map(|&i| boxes[i as usize]).chain(unions).collect();
             subject_boxes = &joined;
         }
-        let params = BvhBuildParams {
-            pre_split: false,
-            max_prims_per_leaf: 1,
-            post_collapse_reinsertion_batch_ratio_multiplier: 0.0,
-            ..BvhBuildParams::medium_build()
-        };
-        let built = build_bvh2(subject_boxes, params, &mut Duration::default());
+        // As `build_bvh2` of `obvhs` does it for leaves of one primitive, but for a check of its debug builds that takes a tree that is only
+        // deep for a broken one.
+        let BvhBuildParams { ploc_search_distance, sort_precision, search_depth_threshold, reinsertion_batch_ratio, .. } =
+            BvhBuildParams::medium_build();
+        let subject_numbers = (0..subject_boxes.len() as u32).collect();
+        let mut built = PlocBuilder::with_capacity(subject_boxes.len()).build(
+            ploc_search_distance,
+            subject_boxes,
+            subject_numbers,
+            sort_precision,
+            search_depth_threshold,
+        );
+        ReinsertionOptimizer::default().run(&mut built, reinsertion_batch_ratio, None);
 
         let mut out = Self::with_capacity(boxes.len());
         let mut stack = vec![0u32];
