@@ -78,6 +78,14 @@ impl<'a> Stage<'a> {
     }
 }
 
+/// From where to where a roughness may move among rising nodes when directions are drawn around `middle`: from the nearest node where that lies
+/// beyond them, as it does when the surface seems smoother than any.
+fn reach(nodes: &[f64], middle: f64) -> (f64, f64) {
+    let (first, last) = (nodes[0], nodes[nodes.len() - 1]);
+    let middle = middle.clamp(first, last);
+    (first.max(middle / REACH), last.min(middle * REACH))
+}
+
 /// The roughnesses along the two tangents that the real arguments `a` say.
 fn roughness(kind: Kind, a: &[f64]) -> [f64; 2] {
     [a[4], a[if kind.anisotropic { 5 } else { 4 }]].map(|a| a.abs().max(SMOOTHEST))
@@ -111,8 +119,8 @@ impl Model for Stage<'_> {
     fn trusted(&self, values: &[f64]) -> Vec<f64> {
         let mut values = values.to_vec();
         for (axis, slot) in self.axes() {
-            let (grid, middle) = (&self.grid[axis], self.middle[axis]);
-            values[slot] = values[slot].clamp(grid[0].max(middle / REACH), grid[grid.len() - 1].min(middle * REACH));
+            let (low, high) = reach(&self.grid[axis], self.middle[axis]);
+            values[slot] = values[slot].clamp(low, high);
         }
         values
     }
@@ -225,4 +233,19 @@ fn search(problem: &Problem, stage: &Stage, seed: u64) -> Result<Vec<f64>> {
     }
     let found: Option<Point> = starts.iter().map(|start| problem.polish(start, &all)).min_by(|a, b| a.chi2.total_cmp(&b.chi2));
     Ok(found.map_or_else(|| starts.swap_remove(0), |point| point.values))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_roughness_has_somewhere_to_move_wherever_directions_are_drawn() {
+        let nodes = around(0.02, NODES);
+        assert_eq!(reach(&nodes, 0.02), (0.01, 0.04));
+        for middle in [SMOOTHEST, nodes[0], 0.02, nodes[15], 1.0] {
+            let (low, high) = reach(&nodes, middle);
+            assert!(nodes[0] <= low && low < high && high <= nodes[15], "{middle}: {low} to {high}");
+        }
+    }
 }
