@@ -52,6 +52,10 @@ pub trait Transport {
     fn follow(&self, beta: &Self::Beta, surface: &Self::Surface, delta: &Delta) -> Self::Beta;
     /// Dims a throughput by `length` in a medium.
     fn absorb(&self, beta: &mut Self::Beta, medium: &Inside, length: f64);
+    /// The extinction of a medium, as far as limits and roulette go by it. Must not depend on what is unknown.
+    fn extinction(&self, medium: &Inside) -> Rgb {
+        medium.extinction
+    }
     /// Takes the light that a path found.
     fn collect(&mut self, beta: &Self::Beta, radiance: Rgb);
     /// Whether it must hear of all rays, those aimed at lights too.
@@ -289,7 +293,7 @@ impl<'a, B: Clone> Integrator<'a, B> {
         let medium = layer.behind.as_ref().unwrap_or(&segment.medium);
         transport.absorb(&mut beta, medium, t);
         // RADIANCE's weight reckons with a strong medium only.
-        let dimmed = medium.extinction.min_element() * t;
+        let dimmed = transport.extinction(medium).min_element() * t;
         if dimmed > 0.1 || dimmed > 0.0 && !self.rules.limited() {
             weight *= (-dimmed).exp();
         }

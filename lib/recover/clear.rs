@@ -10,6 +10,7 @@ use super::model::{cubic, exposed};
 use super::statistics::Sheet;
 use super::{Effort, Evidence, Recovery, Seeds};
 use crate::anneal::{Annealer, Options};
+use crate::color::Rgb;
 use crate::error::Result;
 use crate::scene::MaterialId;
 use crate::transport::{self, Basis, Clear, Pixels};
@@ -21,13 +22,20 @@ const LEAST_INDEX: f64 = 0.2;
 /// The index of glass that does not say its own (semantics 3.7).
 const GLASS_INDEX: f64 = 1.52;
 
-/// Width of the blocks of pixels, look by look, and samples in each half of a pixel; a quarter of the pixels is sampled.
+/// Width of the blocks of pixels, look by look, and samples in each half of a pixel: more where pixels are few, so that there are at least
+/// so many times as many in all.
 const BLOCKS: [(usize, u32); 3] = [(8, 1), (8, 2), (1, 3)];
+const ENOUGH: u32 = 2000;
+/// A quarter of the pixels is sampled, unless that leaves fewer than this.
+const FEW: usize = 1000;
 /// Distance of the indices of the first look, and how much nearer those of the next stand.
 const FIRST: f64 = 0.1;
 const NEARER: f64 = 4.0;
 /// Evaluations of the annealing at each look.
 const STEPS: usize = 300;
+
+/// The least that roulette takes a transmissivity for.
+const DARKEST: f64 = 1e-3;
 
 /// How far the two indices that the pixels are looked at with lie to either side.
 const SPREAD: f64 = 0.003;
@@ -68,6 +76,12 @@ impl<'a> Stage<'a> {
 impl Model for Stage<'_> {
     fn tune(&mut self, values: &[f64], _: Option<&[f64]>) {
         self.guess = Some(self.columns(values));
+        let a = self.unknown.reals(values);
+        let extinction = Rgb::from(std::array::from_fn(|c| -a[c].clamp(DARKEST, 1.0).ln()));
+        for part in &mut self.parts {
+            let transport::Unknown::Clear(clear) = part else { unreachable!() };
+            clear.guess = extinction;
+        }
     }
 
     fn trace(&self, pixels: &[usize], samples: &[u32], seed: u64) -> Basis {
@@ -140,28 +154,24 @@ pub fn recover(
         tell(&format!("indices {:.3} to {:.3}", from, to));
         let sampled: Vec<usize> = blocks.sample();
         let numbers: Vec<usize> = sampled.iter().map(|&i| pixels[i]).collect();
+        let samples = (samples * ENOUGH).div_ceil(numbers.len() as u32).max(samples);
+        // The logarithms of pixels that are dark by chance would spoil the colours; those of blocks do not.
+        let free: Vec<usize> = (0..parameters.len()).filter(|&p| Some(p) != slot && width > 1).collect();
         let tried = if slot.is_some() { &indices[..] } else { &indices[..1] };
         let tried: Vec<(f64, u64)> = tried.iter().map(|&index| (index, seeds.next())).collect();
         let fit = |&(index, seed): &(f64, u64)| {
             let stage = Stage::new(evidence, unknown, material, vec![index]);
             let basis = stage.trace(&numbers, &vec![samples; 2 * numbers.len()], seed);
-            blocks.fit(&stage, &basis, &sampled, unknown, slot.map(|i| (i, index)), effort.seed)
+            let mut values = best.values.clone();
+            slot.into_iter().for_each(|i| values[i] = index);
+            blocks.fit(&stage, &basis, &sampled, values, &free, effort.seed)
         };
         let found = tried.par_iter().map(fit).collect::<Result<Vec<Point>>>()?;
-        let Some(lowest) = (0..found.len()).min_by(|&a, &b| found[a].chi2.total_cmp(&found[b].chi2)) else { continue };
-        let before = std::mem::replace(&mut best, found[lowest].clone());
+        let Some(lowest) = found.iter().min_by(|a, b| a.chi2.total_cmp(&b.chi2)) else { continue };
+        best = lowest.clone();
         let Some(i) = slot else { break };
-        if width == 1 {
-            // Two lines meet there. The logarithms of pixels that are dark by chance spoil the colours; those of blocks do not.
-            best.values = before.values;
-            let misfit = |k: usize| found[k].chi2;
-            let aside = match lowest {
-                0 => 0.0,
-                k if k + 1 == found.len() => 0.0,
-                k => 0.5 * (misfit(k - 1) - misfit(k + 1)) / (misfit(k - 1).max(misfit(k + 1)) - misfit(k)).max(f64::MIN_POSITIVE),
-            };
-            best.values[i] = (indices[lowest] + aside.clamp(-0.5, 0.5) * step).clamp(low, high);
-            break;
+        if step < FIRST {
+            best.values[i] = meeting(&indices, &found.iter().map(|point| point.chi2).collect::<Vec<_>>());
         }
         (from, to) = ((best.values[i] - step).max(low), (best.values[i] + step).min(high));
         step /= NEARER;
@@ -188,6 +198,29 @@ pub fn recover(
     unreachable!()
 }
 
+/// Where two lines meet that rise alike to both sides and come nearest to misfits at rising indices (least squares).
+fn meeting(indices: &[f64], misfits: &[f64]) -> f64 {
+    let mean = |values: &mut dyn Iterator<Item = f64>| values.sum::<f64>() / indices.len() as f64;
+    let level = mean(&mut misfits.iter().copied());
+    // What lines that meet at `at` explain.
+    let explained = |at: f64| {
+        let middle = mean(&mut indices.iter().map(|i| (i - at).abs()));
+        let (mut together, mut spread) = (0.0, 0.0);
+        for (index, misfit) in indices.iter().zip(misfits) {
+            let aside = (index - at).abs() - middle;
+            together += aside * (misfit - level);
+            spread += aside * aside;
+        }
+        together.max(0.0).powi(2) / spread.max(f64::MIN_POSITIVE)
+    };
+    let (first, last) = (indices[0], indices[indices.len() - 1]);
+    let places = (0..=PLACES).map(|k| first + (last - first) * k as f64 / PLACES as f64);
+    places.max_by(|a, b| explained(*a).total_cmp(&explained(*b))).unwrap_or(first)
+}
+
+/// How finely that is told.
+const PLACES: usize = 256;
+
 /// Looks before the search gives up to keep the answer inside the indices.
 const MOST_LOOKS: usize = 8;
 
@@ -212,26 +245,18 @@ impl<'a> Blocks<'a> {
         Self { sheet, of, count: names.len() }
     }
 
-    /// A quarter of the pixels.
+    /// A quarter of the pixels, or all.
     fn sample(&self) -> Vec<usize> {
         let counts = |i: &usize| {
             let (x, y) = self.sheet.place(self.sheet.numbers[*i]);
             x % 2 == 0 && y % 2 == 0
         };
         let some: Vec<usize> = (0..self.sheet.numbers.len()).filter(counts).collect();
-        if some.is_empty() { (0..self.sheet.numbers.len()).collect() } else { some }
+        if some.len() < FEW { (0..self.sheet.numbers.len()).collect() } else { some }
     }
 
-    /// The transmissivities that bring the logarithms of the blocks nearest, at one index, and how near.
-    fn fit(
-        &self,
-        stage: &Stage,
-        basis: &Basis,
-        sampled: &[usize],
-        unknown: &Unknown,
-        index: Option<(usize, f64)>,
-        seed: u64,
-    ) -> Result<Point> {
+    /// The values of the `free` parameters that bring the logarithms of the blocks nearest, the others being as in `values`, and how near.
+    fn fit(&self, stage: &Stage, basis: &Basis, sampled: &[usize], values: Vec<f64>, free: &[usize], seed: u64) -> Result<Point> {
         let columns = basis.columns;
         let mut sums = vec![vec![0.0; 3 * columns]; self.count];
         let mut target = vec![([0.0; 3], 0.0); self.count];
@@ -256,19 +281,12 @@ impl<'a> Blocks<'a> {
             };
             sums.iter().zip(&target).filter(|(_, t)| t.1 > 0.0).map(block).sum()
         };
-        // Annealing over what is left when the index is held.
-        let mut parameters = unknown.parameters().to_vec();
-        if let Some((i, index)) = index {
-            (parameters[i].start, parameters[i].low, parameters[i].high) = (index, index, index);
-        }
-        let free: Vec<usize> = (0..parameters.len()).filter(|&i| index.is_none_or(|(held, _)| held != i)).collect();
         let whole = |part: &[f64]| {
-            let mut values: Vec<f64> = parameters.iter().map(|p| p.start).collect();
+            let mut values = values.clone();
             free.iter().zip(part).for_each(|(&i, &v)| values[i] = v);
             values
         };
         if free.is_empty() {
-            let values = whole(&[]);
             return Ok(Point { chi2: misfit(&values), values });
         }
         let options = Options {
@@ -280,7 +298,7 @@ impl<'a> Blocks<'a> {
             tolerance: None,
             residuals: None,
         };
-        let mut annealer = Annealer::new(free.iter().map(|&i| parameters[i].clone()).collect(), options)?;
+        let mut annealer = Annealer::new(free.iter().map(|&i| stage.unknown.parameters()[i].clone()).collect(), options)?;
         while let Some(part) = annealer.propose() {
             let chi2 = misfit(&whole(part));
             annealer.tell(chi2);
@@ -288,5 +306,23 @@ impl<'a> Blocks<'a> {
         let best = annealer.best().map_or_else(Vec::new, |b| b.values);
         let values = whole(&best);
         Ok(Point { chi2: misfit(&values), values })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_lines_meet_where_they_do() {
+        let indices: Vec<f64> = (0..9).map(|i| 1.4 + 0.025 * i as f64).collect();
+        for at in [1.4, 1.43, 1.5, 1.5875, 1.6] {
+            // A ragged valley: what is added has no slope to either side.
+            let misfits: Vec<f64> =
+                indices.iter().zip([3.0, -3.0].iter().cycle()).map(|(i, rough)| 300.0 + 4000.0 * (i - at).abs() + rough).collect();
+            let met = meeting(&indices, &misfits);
+            assert!((met - at).abs() < 0.002, "{at}: {met}");
+        }
+        assert!((1.4..=1.6).contains(&meeting(&indices, &[1.0; 9])));
     }
 }

@@ -30,6 +30,8 @@ pub struct Clear {
     pub index: f64,
     /// The transmissivities, rising from 0 to 1.
     pub nodes: [f64; L * LANES],
+    /// What roulette takes the extinction for; until something is known, nothing is absorbed.
+    pub guess: Rgb,
     logarithms: Nodes<L>,
 }
 
@@ -39,7 +41,7 @@ impl Clear {
         // Dense near 0, where T^ℓ is steep for short paths.
         let nodes = std::array::from_fn(|i| (i as f64 / (L * LANES - 1) as f64).powi(2));
         let logarithms = std::array::from_fn(|l| f32x8::from(std::array::from_fn(|i| nodes[l * LANES + i].max(1e-40).ln() as f32)));
-        Self { material, glass, index, nodes, logarithms }
+        Self { material, glass, index, nodes, guess: Rgb::ZERO, logarithms }
     }
 
     /// The columns of a channel.
@@ -140,6 +142,10 @@ impl Transport for Dimming<'_> {
         } else {
             beta.known *= medium.transmittance(length);
         }
+    }
+
+    fn extinction(&self, medium: &Inside) -> Rgb {
+        if medium.unknown { self.unknown.guess } else { medium.extinction }
     }
 
     fn collect(&mut self, beta: &Beta, radiance: Rgb) {
