@@ -72,6 +72,24 @@ impl Form {
 /// The longest word of a text, in bytes.
 const LONGEST_WORD: usize = 64;
 
+/// Whether a byte stands between words.
+fn is_space(byte: &u8) -> bool {
+    byte.is_ascii_whitespace() || *byte == 0x0b
+}
+
+/// The six numbers that a text begins with, and its length up to their end, if it goes on behind them.
+fn words(text: &[u8]) -> Option<([f64; 6], usize)> {
+    let mut rest = text;
+    let mut numbers = [0.0; 6];
+    for number in &mut numbers {
+        let (_, from) = rest.split_at(rest.iter().position(|b| !is_space(b))?);
+        let (word, behind) = from.split_at(from.iter().position(is_space).filter(|&length| length <= LONGEST_WORD)?);
+        *number = std::str::from_utf8(word).ok()?.parse().ok()?;
+        rest = behind;
+    }
+    Some((numbers, text.len() - rest.len()))
+}
+
 /// Rays from a stream: six numbers each, an origin and a direction.
 pub struct Reader<R> {
     input: R,
@@ -87,6 +105,10 @@ impl<R: BufRead> Reader<R> {
 
     /// The next ray; `None` at the end.
     pub fn read(&mut self) -> Result<Option<[f64; 6]>> {
+        if let Some(ray) = self.ready() {
+            self.rays += 1;
+            return Ok(Some(ray));
+        }
         let mut ray = [0.0; 6];
         for (i, value) in ray.iter_mut().enumerate() {
             *value = match self.number()? {
@@ -97,6 +119,20 @@ impl<R: BufRead> Reader<R> {
         }
         self.rays += 1;
         Ok(Some(ray))
+    }
+
+    /// A ray whose bytes are all there, as they mostly are; else its numbers come one by one.
+    fn ready(&mut self) -> Option<[f64; 6]> {
+        let bytes = self.input.fill_buf().ok()?;
+        let (ray, length) = match self.form {
+            Form::Ascii => words(bytes)?,
+            Form::Double => (bytes.as_chunks().0.first_chunk::<6>()?.map(f64::from_ne_bytes), 6 * size_of::<f64>()),
+            _ => (bytes.as_chunks().0.first_chunk::<6>()?.map(|b| f32::from_ne_bytes(b) as f64), 6 * size_of::<f32>()),
+        };
+        ray.iter().all(|number| number.is_finite()).then(|| {
+            self.input.consume(length);
+            ray
+        })
     }
 
     fn place(&self) -> String {
@@ -127,7 +163,7 @@ impl<R: BufRead> Reader<R> {
         let mut word = String::new();
         while let Some(byte) = self.byte()? {
             match byte {
-                b if b.is_ascii_whitespace() || b == 0x0b => {
+                b if is_space(&b) => {
                     if !word.is_empty() {
                         break;
                     }
@@ -142,14 +178,6 @@ impl<R: BufRead> Reader<R> {
     /// The next bytes; `None` at the end, or if too few are left.
     fn bytes<const N: usize>(&mut self) -> Result<Option<[u8; N]>> {
         let mut bytes = [0; N];
-        // Mostly all of them are there; else they come one by one.
-        if let Ok(ready) = self.input.fill_buf()
-            && let Some(first) = ready.first_chunk()
-        {
-            bytes = *first;
-            self.input.consume(N);
-            return Ok(Some(bytes));
-        }
         for byte in &mut bytes {
             match self.byte()? {
                 Some(b) => *byte = b,
@@ -189,6 +217,23 @@ mod tests {
             assert_eq!([reader.read().unwrap().unwrap(), reader.read().unwrap().unwrap()], rays);
             assert_eq!(reader.read().unwrap(), None);
         }
+    }
+
+    #[test]
+    fn rays_may_come_in_pieces() {
+        let text = "0 -1.5\t2e0\r\n.25 0 -1\n\n1 1 1 1 1 1 ";
+        let single: Vec<u8> = (0..12).flat_map(|v| (v as f32).to_ne_bytes()).collect();
+        for (bytes, form) in [(text.as_bytes(), Form::Ascii), (&single, Form::Single)] {
+            let whole: Vec<[f64; 6]> = rays(Reader::new(bytes, form));
+            assert_eq!(whole.len(), 2);
+            for size in 1..bytes.len() {
+                assert_eq!(rays(Reader::new(std::io::BufReader::with_capacity(size, bytes), form)), whole, "{size}");
+            }
+        }
+    }
+
+    fn rays(mut reader: Reader<impl BufRead>) -> Vec<[f64; 6]> {
+        std::iter::from_fn(|| reader.read().unwrap()).collect()
     }
 
     #[test]

@@ -5,11 +5,13 @@ use crate::picture::SOFTWARE;
 use crate::rays::{Form, Reader, Space, Teller};
 use crate::render::Budget;
 use rayon::prelude::*;
-use std::io;
+use std::io::{self, BufReader};
 use std::path::Path;
 
 /// How many rays are answered together where nothing else says so.
 const BATCH: usize = 4096;
+/// How many bytes of rays are read at a time.
+const CHUNK: usize = 1 << 16;
 
 /// What a stream of answers looks like.
 pub struct Stream<'a> {
@@ -36,7 +38,7 @@ pub fn answer(mut teller: Teller, stream: &Stream, console: &Console) -> Outcome
         Some(0) => None,
         wanted => Some(wanted.unwrap_or(u64::MAX)),
     };
-    let mut reader = Reader::new(io::stdin().lock(), teller.format.input);
+    let mut reader = Reader::new(BufReader::with_capacity(CHUNK, io::stdin().lock()), teller.format.input);
     let mut number = 0;
     let mut last = [0.0; 6];
     let all = if let Budget::Time(_) = teller.budget { usize::MAX } else { BATCH };
@@ -64,11 +66,19 @@ pub fn answer(mut teller: Teller, stream: &Stream, console: &Console) -> Outcome
             *time = time.mul_f64(rayon::current_num_threads().min(batch.len()) as f64 / batch.len() as f64);
         }
         let rays = &batch[..batch.len() - asked as usize];
-        let records: Vec<Vec<u8>> = rays.par_iter().enumerate().map(|(i, ray)| teller.tell(*ray, number + i as u64)).collect();
-        records.iter().try_for_each(|record| output.write(record))?;
+        let records = rays.par_iter().enumerate().fold(
+            || teller.writer(),
+            |mut writer, (i, ray)| {
+                teller.tell(*ray, number + i as u64, &mut writer);
+                writer
+            },
+        );
+        records.map(|writer| writer.bytes).collect::<Vec<_>>().iter().try_for_each(|records| output.write(records))?;
         last = *rays.last().unwrap_or(&last);
         if asked {
-            output.write(&teller.empty(last))?;
+            let mut writer = teller.writer();
+            teller.empty(last, &mut writer);
+            output.write(&writer.bytes)?;
         }
         number += batch.len() as u64;
         left = left.map(|left| left - batch.len() as u64);

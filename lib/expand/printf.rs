@@ -1,5 +1,7 @@
 //! Numbers as C's `printf` writes them: RADIANCE's generators print a limited number of digits.
 
+use std::io::Write;
+
 /// `%.{digits}g`.
 pub fn g(x: f64, digits: usize) -> String {
     let digits = digits.max(1);
@@ -18,10 +20,26 @@ pub fn g(x: f64, digits: usize) -> String {
 
 /// `%.{digits}e`.
 pub fn e(x: f64, digits: usize) -> String {
-    let text = format!("{x:.digits$e}");
-    let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
-    let exponent: i32 = exponent.parse().unwrap_or(0);
-    format!("{mantissa}e{}{:02}", if exponent < 0 { '-' } else { '+' }, exponent.abs())
+    let mut text = Vec::new();
+    put_e(&mut text, x, digits);
+    String::from_utf8_lossy(&text).into_owned()
+}
+
+/// Appends `%.{digits}e` to a text.
+pub fn put_e(text: &mut Vec<u8>, x: f64, digits: usize) {
+    let start = text.len();
+    // A vector takes all that is written.
+    let _ = write!(text, "{x:.digits$e}");
+    // Of an exponent, C writes the sign, and two digits at the least.
+    let Some(mark) = text[start..].iter().rposition(|&b| b == b'e') else { return };
+    let mut at = start + mark + 1;
+    if text[at] != b'-' {
+        text.insert(at, b'+');
+    }
+    at += 1;
+    if text.len() - at < 2 {
+        text.insert(at, b'0');
+    }
 }
 
 /// The number without zeros at the end of its fraction.
@@ -48,7 +66,12 @@ mod tests {
         ] {
             assert_eq!(g(x, digits), text);
         }
-        // printf '%.3e %.3e' 7177000 0.
-        assert_eq!((e(7177000.0, 3), e(0.0, 3)), ("7.177e+06".into(), "0.000e+00".into()));
+    }
+
+    #[test]
+    fn scientific_format_agrees_with_c() {
+        // printf '%.3e …' in the shell.
+        let numbers = [7177000.0, 0.0, -2.5e-7, 1e10, 1.5e-300, f64::INFINITY];
+        assert_eq!(numbers.map(|x| e(x, 3)).join(" "), "7.177e+06 0.000e+00 -2.500e-07 1.000e+10 1.500e-300 inf");
     }
 }

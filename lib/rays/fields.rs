@@ -106,6 +106,11 @@ impl Fields {
         self.ray.iter().any(|f| matches!(f, Effective | Mirrored | MirroredLength | Unmirrored | UnmirroredLength))
     }
 
+    /// Whether what a surface is made of must be looked at.
+    pub fn needs_layers(&self) -> bool {
+        self.ray.iter().any(|f| matches!(f, Field::Normal | Field::Local))
+    }
+
     /// Whether a ray that met this modifier, or nothing, is told of.
     pub fn tells_of(&self, modifier: Option<&str>) -> bool {
         match (&self.among, modifier) {
@@ -217,7 +222,7 @@ impl Writer {
         for &number in numbers {
             match self.form {
                 Form::Ascii => {
-                    self.bytes.extend_from_slice(printf::e(number, 6).as_bytes());
+                    printf::put_e(&mut self.bytes, number, 6);
                     self.bytes.push(b'\t');
                 }
                 Form::Double => self.bytes.extend_from_slice(&number.to_ne_bytes()),

@@ -50,29 +50,30 @@ struct Record<'w> {
 }
 
 impl<'w> Teller<'w> {
-    /// The record of a ray; `number` makes its random choices its own.
-    pub fn tell(&self, ray: [f64; 6], number: u64) -> Vec<u8> {
-        let mut writer = Writer { bytes: Vec::new(), form: self.format.output, space: self.space };
+    /// What takes records.
+    pub fn writer(&self) -> Writer {
+        Writer { bytes: Vec::new(), form: self.format.output, space: self.space }
+    }
+
+    /// Writes the record of a ray; `number` makes its random choices its own.
+    pub fn tell(&self, ray: [f64; 6], number: u64, writer: &mut Writer) {
         let (origin, direction) = (Vec3::new(ray[0], ray[1], ray[2]), Vec3::new(ray[3], ray[4], ray[5]));
-        let Some(unit) = direction.try_normalize() else { return self.empty(ray) };
+        let Some(unit) = direction.try_normalize() else { return self.empty(ray, writer) };
         let record = if self.irradiance {
             self.irradiance(origin, unit, number)
         } else {
             let limit = if self.limited { direction.length() } else { f64::INFINITY };
-            self.radiance(Ray::new(origin, unit), limit, number, &mut writer)
+            self.radiance(Ray::new(origin, unit), limit, number, writer)
         };
-        self.write(&mut writer, &self.fields.ray, &record);
-        writer.bytes
+        self.write(writer, &self.fields.ray, &record);
     }
 
-    /// The record that answers a ray without direction: that of a ray like the one before it, which met nothing.
-    pub fn empty(&self, before: [f64; 6]) -> Vec<u8> {
-        let mut writer = Writer { bytes: Vec::new(), form: self.format.output, space: self.space };
+    /// Writes the record that answers a ray without direction: that of a ray like the one before it, which met nothing.
+    pub fn empty(&self, before: [f64; 6], writer: &mut Writer) {
         let [x, y, z, dx, dy, dz] = before;
         let (origin, direction) = (Vec3::new(x, y, z), Vec3::new(dx, dy, dz).normalize_or_zero());
         let ray = if self.irradiance { Ray::new(origin + direction * (ABOVE + BEFORE), -direction) } else { Ray::new(origin, direction) };
-        self.write(&mut writer, &self.fields.ray, &nothing(ray));
-        writer.bytes
+        self.write(writer, &self.fields.ray, &nothing(ray));
     }
 
     /// The irradiance at a point on the side of a direction.
@@ -124,7 +125,7 @@ impl<'w> Teller<'w> {
     fn first(&self, ray: &Ray, limit: f64) -> Met<'w> {
         let hit = self.world.nearest(ray, limit);
         let mut first = met(self.world, ray, hit.as_ref(), limit);
-        if let Some(hit) = &hit {
+        if let Some(hit) = hit.as_ref().filter(|_| self.fields.needs_layers()) {
             let coming = Coming { ray, travelled: 0.0, aim: None, primary: true, gathered: false, ambient: false, clip: None };
             let mut share = 0.0;
             self.world.layers(hit, &coming, self.rules, &mut |layer| {
