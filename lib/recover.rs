@@ -9,6 +9,7 @@ pub mod doubts;
 pub mod fit;
 pub mod gram;
 mod look;
+mod misfit;
 pub mod model;
 pub mod predict;
 mod rough;
@@ -71,6 +72,8 @@ pub struct Recovery {
     pub own: Symmetric,
     /// What an error that the pixels have in common does to the values.
     pub common: Symmetric,
+    /// By which part of their light whole areas are off, which no noise is.
+    pub misfit: f64,
     /// χ² of equation 11 over the pixels that count, without what the noise of the rendering adds to it.
     pub chi2: f64,
     /// How many pixels count.
@@ -155,7 +158,7 @@ impl Recovery {
 
     /// What is known of the errors of the values.
     pub fn known(&self) -> Known<'_> {
-        Known { covariance: self.covariance.clone(), common: Some(&self.common) }
+        Known { covariance: self.covariance.clone(), common: Some(&self.common), misfit: self.misfit }
     }
 }
 

@@ -14,7 +14,13 @@ const LAMP: &str = "void light bulb 0 0 3 300 300 300\nbulb sphere lamp 0 0 4 -3
 
 /// What is said of a picture of `scene` made of `material`: the comment lines, and the warnings on standard error.
 fn told(material: &str, scene: &str) -> (Vec<String>, Vec<String>) {
+    told_in(material, scene, scene)
+}
+
+/// The same where the scene is taken for another than it was.
+fn told_in(material: &str, scene: &str, other: &str) -> (Vec<String>, Vec<String>) {
     let directory = photographed(material, scene, "-x 48 -y 48 --spp 128 --seed 5 -ab 2 -o target.hdr");
+    std::fs::write(directory.path().join("scene.rad"), other).unwrap();
     let done = run(env!("CARGO_BIN_EXE_anneal"), directory.path(), "-ab 2 --scene scene.rad --target target.hdr start.rad");
     assert_eq!(done.status.code(), Some(0));
     let lines = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap().lines().map(String::from).collect::<Vec<_>>();
@@ -76,4 +82,16 @@ fn a_lamp_tells() {
         let (value, error, _) = line(&lines, name);
         assert!(error < 0.01 && (value - truth).abs() < 4.0 * error, "{name}: {value} ± {error}, not {truth}");
     }
+}
+
+#[test]
+fn a_picture_in_another_light_is_doubted() {
+    let material = "plastic it 0 0 5 .6 .4 .2 .1 .2";
+    let scene = format!("{LAMP}{UNIFORM}{STILL}");
+    let doubted =
+        |other: &str| told_in(material, &scene, other).0.iter().any(|line| line.starts_with("warning: whole areas of the picture"));
+    assert!(!doubted(&scene));
+    // The lamp a sixth of its distance to the side; the lamp alone.
+    assert!(doubted(&scene.replace("-3 -4 4 .3", "-2.2 -4.4 4 .3")));
+    assert!(doubted(&format!("{LAMP}{STILL}")));
 }

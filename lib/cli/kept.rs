@@ -28,6 +28,7 @@ pub struct Kept {
     covariance: Symmetric,
     own: Symmetric,
     common: Symmetric,
+    misfit: f64,
     chi2: f64,
     pixels: usize,
     rounds: Vec<Moment>,
@@ -91,6 +92,7 @@ impl Kept {
             covariance: found.covariance.clone(),
             own: found.own.clone(),
             common: found.common.clone(),
+            misfit: found.misfit,
             chi2: found.chi2,
             pixels: found.pixels,
             rounds: trail.moments().clone(),
@@ -110,7 +112,7 @@ impl Kept {
 
     /// What was found, and how.
     pub fn found(self) -> (Recovery, Vec<Moment>) {
-        let Self { values, covariance, own, common, chi2, pixels, rounds, .. } = self;
-        (Recovery { values, covariance, own, common, chi2, pixels, losses: vec![] }, rounds)
+        let Self { values, covariance, own, common, misfit, chi2, pixels, rounds, .. } = self;
+        (Recovery { values, covariance, own, common, misfit, chi2, pixels, losses: vec![] }, rounds)
     }
 }

@@ -13,8 +13,10 @@ use crate::unknown::{EXPOSURES, Unknown};
 pub struct Known<'a> {
     /// Their covariance.
     pub covariance: Symmetric,
-    /// What an error that the pixels have in common does to them, if pixels were looked at.
+    /// What an error of [`COMMON`] that the pixels have in common does to them, if pixels were looked at.
     pub common: Option<&'a Symmetric>,
+    /// And how large an error they have seems to be.
+    pub misfit: f64,
 }
 
 /// What there is to think of some values.
@@ -59,7 +61,9 @@ pub fn judge(unknown: &Unknown, values: &[f64], known: &Known) -> Judgement {
         let one = f64::from(i == j);
         if unseen(i) || unseen(j) { one } else { Some(m.at(i, j) / (units[i] * units[j])).filter(|x| x.is_finite()).unwrap_or(one) }
     };
-    let whole = Symmetric::of(n, |i, j| scaled(seen, i, j) + known.common.map_or(0.0, |common| scaled(common, i, j)));
+    let off = known.misfit.max(COMMON);
+    let moved = |i: usize, j: usize| known.common.map_or(0.0, |common| scaled(common, i, j) * (off / COMMON).powi(2));
+    let whole = Symmetric::of(n, |i, j| scaled(seen, i, j) + moved(i, j));
     let whole = whole.with_eigenvalues(|v| v.clamp(1e-18, 1.0));
     let inverse = whole.with_eigenvalues(|v| 1.0 / v);
     let correlations = whole.correlations();
@@ -88,7 +92,7 @@ pub fn judge(unknown: &Unknown, values: &[f64], known: &Known) -> Judgement {
             };
             let why = match scaled(seen, pivot, pivot).sqrt() >= UNDETERMINED {
                 true => "this picture and this light say next to nothing of it".to_string(),
-                false => format!("an error of {} % in the light, the shape or the picture could move it {far}", 100.0 * COMMON),
+                false => format!("an error of {} % in the light, the shape or the picture could move it {far}", percent(off)),
             };
             doubts.push(format!("{} is not determined: {why}; {help}", parameters[pivot].name));
         } else {
@@ -98,6 +102,19 @@ pub fn judge(unknown: &Unknown, values: &[f64], known: &Known) -> Judgement {
         }
     }
     let plain = |i: usize| standings[i] == Standing::Determined;
+    if known.misfit > COMMON {
+        let far = |i: usize| (moved(i, i).sqrt() * units[i], &parameters[i].name);
+        let far = (0..n).filter(|&i| plain(i)).map(far).map(|(far, name)| format!("{name} by {far:.0$}", decimals(far) - 1));
+        let far: Vec<String> = far.collect();
+        let harm = if far.is_empty() { String::new() } else { format!("; so large an error could move {}", list(&far)) };
+        doubts.insert(
+            0,
+            format!(
+                "whole areas of the picture are {} % brighter or darker than any noise explains: the light, the shape or the type may not be those of the photograph{harm}",
+                percent(off)
+            ),
+        );
+    }
     let errors = (0..n).map(|i| if plain(i) { seen.at(i, i).max(0.0).sqrt() } else { whole.at(i, i).sqrt() * units[i] }).collect();
     let alike = seen.correlations();
     let correlations = Symmetric::of(n, |i, j| if plain(i) && plain(j) { alike.at(i, j) } else { correlations.at(i, j) });
@@ -145,11 +162,17 @@ fn remedy(unknown: &Unknown, values: &[f64], i: usize) -> &'static str {
 }
 
 /// Words as a list: `a, b and c`.
-fn list(words: &[&str]) -> String {
-    match words {
+fn list(words: &[impl AsRef<str>]) -> String {
+    let words: Vec<&str> = words.iter().map(AsRef::as_ref).collect();
+    match &words[..] {
         [first @ .., last] if !first.is_empty() => format!("{} and {last}", first.join(", ")),
         _ => words.concat(),
     }
+}
+
+/// A part in percent, to a tenth.
+fn percent(part: f64) -> f64 {
+    (1000.0 * part).round() / 10.0
 }
 
 /// How many decimals show two digits of an error.
@@ -171,7 +194,7 @@ mod tests {
     use crate::unknown::Wishes;
 
     /// What there is to think of a plastic, by the part of its parameters' ranges that the errors are, and a correlation of two of them.
-    fn plastic(seen: [f64; 5], common: [f64; 5], (i, j, r): (usize, usize, f64)) -> Judgement {
+    fn plastic(seen: [f64; 5], common: [f64; 5], (i, j, r): (usize, usize, f64), misfit: f64) -> Judgement {
         let document = Document::parse(Source::new("m.rad", "void plastic m 0 0 5 .6 .4 .2 .1 .1")).unwrap();
         let unknown = Unknown::new(document, &Wishes::default()).unwrap();
         let ranges: Vec<f64> = unknown.parameters().iter().map(|p| p.high - p.low).collect();
@@ -179,12 +202,12 @@ mod tests {
             let r = |a, b| if a == b { 1.0 } else { r * f64::from((a, b) == (j.max(i), i.min(j))) };
             Symmetric::of(5, |a, b| r(a, b) * e[a] * ranges[a] * e[b] * ranges[b])
         };
-        judge(&unknown, &[0.6, 0.4, 0.2, 0.1, 0.1], &Known { covariance: matrix(seen), common: Some(&matrix(common)) })
+        judge(&unknown, &[0.6, 0.4, 0.2, 0.1, 0.1], &Known { covariance: matrix(seen), common: Some(&matrix(common)), misfit })
     }
 
     #[test]
     fn what_the_picture_determines_is_not_doubted() {
-        let found = plastic([0.001; 5], [0.02; 5], (0, 3, -0.9));
+        let found = plastic([0.001; 5], [0.02; 5], (0, 3, -0.9), 0.0);
         assert!(found.doubts.is_empty() && found.standings == [Standing::Determined; 5]);
         assert!((found.errors[4] - 0.0004).abs() < 1e-12 && (found.correlations.at(0, 3) + 0.9).abs() < 1e-9);
     }
@@ -192,7 +215,7 @@ mod tests {
     #[test]
     fn what_it_does_not_is_named_with_what_would() {
         // Of the third nothing is seen, the fifth stands and falls with a small error that the pixels have in common.
-        let found = plastic([0.001, 0.001, f64::INFINITY, 0.001, 0.01], [0.01, 0.01, 0.01, 0.01, 0.1], (0, 1, 0.0));
+        let found = plastic([0.001, 0.001, f64::INFINITY, 0.001, 0.01], [0.01, 0.01, 0.01, 0.01, 0.1], (0, 1, 0.0), 0.0);
         assert_eq!(found.doubts.len(), 2, "{:?}", found.doubts);
         assert!(found.doubts[0].starts_with("blue is not determined: this picture and this light say next to nothing of it; "));
         assert!(found.doubts[1].starts_with(
@@ -204,12 +227,21 @@ mod tests {
 
     #[test]
     fn what_is_known_only_together_is_named_with_what_is_known() {
-        let found = plastic([0.2, 0.001, 0.001, 0.25, 0.001], [0.0; 5], (0, 3, -0.999));
+        let found = plastic([0.2, 0.001, 0.001, 0.25, 0.001], [0.0; 5], (0, 3, -0.999), 0.0);
         let [doubt] = &found.doubts[..] else { panic!("{:?}", found.doubts) };
         assert!(
             doubt.starts_with("red and spec are not determined by themselves, only together: red + 0.80 spec = 0.6799 ± 0.0089; "),
             "{doubt}"
         );
         assert_eq!((found.standings[0], found.standings[1]), (Standing::Together, Standing::Determined));
+    }
+
+    #[test]
+    fn a_picture_that_the_model_does_not_explain_is_doubted() {
+        assert!(plastic([0.001; 5], [0.01; 5], (0, 1, 0.0), 0.01).doubts.is_empty());
+        let found = plastic([0.001; 5], [0.01; 5], (0, 1, 0.0), 0.03);
+        let [doubt] = &found.doubts[..] else { panic!("{:?}", found.doubts) };
+        assert!(doubt.starts_with("whole areas of the picture are 3 % brighter or darker than any noise explains: "), "{doubt}");
+        assert!(doubt.ends_with("could move red by 0.02, green by 0.02, blue by 0.02, spec by 0.02 and rough by 0.008"), "{doubt}");
     }
 }

@@ -1,6 +1,7 @@
 //! A look at the picture: samples where they tell most, the values that explain it best near some others, and how sure they are.
 
 use super::fit::{Valley, derivatives};
+use super::misfit::misfit;
 use super::statistics::{BOUNDINGS, Channels, FIRST_PULL, PULL, Place, STEPS, Scores, Sheet, influence, pictures, products, total, weight};
 use super::{Effort, Evidence, Recovery, Seeds};
 use crate::anneal::Parameter;
@@ -146,8 +147,9 @@ impl Look<'_> {
         let wished: Vec<f64> = self.parameters.iter().zip(&values).map(|(p, value)| self.effort.near(p, *value)).collect();
         let influence = influence(&now, &variances, &wished);
         let losses = if self.effort.quick { now.losses(&sheet.relative()) } else { vec![] };
-        let (common, chi2, pixels) = (now.common(), now.chi2(), sheet.numbers.len());
-        (Recovery { values, covariance: now.covariance, own: now.own, common, chi2, pixels, losses }, influence)
+        let (common, misfit) = (now.common(), misfit(sheet, &now.weights, &now.place.halves));
+        let (chi2, pixels) = (now.chi2(), sheet.numbers.len());
+        (Recovery { values, covariance: now.covariance, own: now.own, common, misfit, chi2, pixels, losses }, influence)
     }
 
     /// Where the scores ask values to move, as far as the model can be trusted, and how far that is in standard errors.

@@ -227,7 +227,16 @@ mod tests {
         let losses = (0..64).map(|p| loss * (1.0 + 0.5 * (p as f64 * 2.4 + phase).sin())).collect();
         Trial::new(
             &unknown,
-            Recovery { values, own: covariance.clone(), common: covariance.clone(), covariance, chi2: 0.0, pixels: 64, losses },
+            Recovery {
+                values,
+                own: covariance.clone(),
+                common: covariance.clone(),
+                covariance,
+                misfit: 0.0,
+                chi2: 0.0,
+                pixels: 64,
+                losses,
+            },
         )
     }
 
