@@ -37,6 +37,10 @@ const STEPS: usize = 300;
 /// The least that roulette takes a transmissivity for.
 const DARKEST: f64 = 1e-3;
 
+/// How much of a standard error one pixel may make. Few samples of what is seen through glass are bright, most are dark: whoever holds back
+/// those that are too bright finds it darker than it is (by 1 % of a transmissivity of .9, where this is as small as for rough materials).
+const PULLS: [f64; 2] = [3.0, 1.0];
+
 /// How far the two indices that the pixels are looked at with lie to either side.
 const SPREAD: f64 = 0.003;
 
@@ -102,6 +106,10 @@ impl Model for Stage<'_> {
             values[i] = values[i].clamp(self.indices[0], self.indices[self.indices.len() - 1]);
         }
         values
+    }
+
+    fn pulls(&self) -> [f64; 2] {
+        PULLS
     }
 
     fn holds(&self, values: &[f64]) -> bool {

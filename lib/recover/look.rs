@@ -2,7 +2,7 @@
 
 use super::fit::{Valley, derivatives};
 use super::misfit::misfit;
-use super::statistics::{BOUNDINGS, Channels, FIRST_PULL, PULL, Place, STEPS, Scores, Sheet, influence, pictures, products, total, weight};
+use super::statistics::{BOUNDINGS, Channels, Place, STEPS, Scores, Sheet, influence, pictures, products, total, weight};
 use super::{Effort, Evidence, Recovery, Seeds};
 use crate::anneal::Parameter;
 use crate::anneal::linear::Symmetric;
@@ -23,6 +23,9 @@ pub trait Model: Sync {
 
     /// The nearest values at which the model can be trusted.
     fn trusted(&self, values: &[f64]) -> Vec<f64>;
+
+    /// How much of a standard error one pixel may make: while the values are only near, and in the end.
+    fn pulls(&self) -> [f64; 2];
 
     /// Whether values lie well inside of where it can be: if not, they had better be looked at by a model around them.
     fn holds(&self, values: &[f64]) -> bool;
@@ -118,9 +121,10 @@ impl Look<'_> {
         let mut values = whole.polish(near, &vec![true; near.len()]).values;
         let at = |values: &[f64], weights| Scores::new(sheet, weights, Place::new(model, basis, values, self.bounds), self.bounds);
         let mut now = at(&values, weights);
+        let pulls = model.pulls();
         // What is far too bright by chance must not lead astray; what pulls hard because the values are not there yet, may.
         for _ in 0..BOUNDINGS {
-            let Some(lighter) = now.bounded(FIRST_PULL) else { break };
+            let Some(lighter) = now.bounded(pulls[0]) else { break };
             now = Scores::new(sheet, lighter, now.place, self.bounds);
         }
         // From there to where the scores vanish, which has no such bias.
@@ -135,7 +139,7 @@ impl Look<'_> {
         }
         // And on without what single pixels make of it, until that is the same.
         for _ in 0..BOUNDINGS {
-            let Some(lighter) = now.bounded(PULL) else { break };
+            let Some(lighter) = now.bounded(pulls[1]) else { break };
             now = Scores::new(sheet, lighter, now.place, self.bounds);
             let Some((moved, taken)) = self.step(&now, model, &values) else { break };
             values = moved;

@@ -28,6 +28,12 @@ const FIRST_PROPOSALS: usize = 5;
 /// Evaluations of the annealing.
 const STEPS: usize = 2000;
 
+/// Valleys of the first look whose χ² differs by less than this factor are as deep.
+const ALIKE: f64 = 1.05;
+
+/// How much of a standard error one pixel may make: one that sees a lamp by the way would else outweigh thousands.
+const PULLS: [f64; 2] = [0.3, 0.1];
+
 /// Looks before the search gives up to keep the answer inside the nodes.
 const MOST_LOOKS: usize = 10;
 
@@ -123,6 +129,10 @@ impl Model for Stage<'_> {
             values[slot] = values[slot].clamp(low, high);
         }
         values
+    }
+
+    fn pulls(&self) -> [f64; 2] {
+        PULLS
     }
 
     fn holds(&self, values: &[f64]) -> bool {
@@ -231,8 +241,17 @@ fn search(problem: &Problem, stage: &Stage, seed: u64) -> Result<Vec<f64>> {
         }
         starts.push(problem.polish(&values, &free).values);
     }
-    let found: Option<Point> = starts.iter().map(|start| problem.polish(start, &all)).min_by(|a, b| a.chi2.total_cmp(&b.chi2));
-    Ok(found.map_or_else(|| starts.swap_remove(0), |point| point.values))
+    let found: Vec<Point> = starts.iter().map(|start| problem.polish(start, &all)).collect();
+    let Some(best) = found.iter().min_by(|a, b| a.chi2.total_cmp(&b.chi2)) else { return Ok(starts.swap_remove(0)) };
+    // The truth then lies between valleys that are as deep: directions were drawn to both sides of it, and little is known between.
+    let alike: Vec<&Point> = found.iter().filter(|point| point.chi2 <= ALIKE * best.chi2).collect();
+    let (mut values, mut free) = (best.values.clone(), all);
+    for (_, slot) in axes {
+        let ends = [f64::min, f64::max].map(|end| alike.iter().map(|p| p.values[slot].abs().max(SMOOTHEST)).reduce(end));
+        values[slot] = ends.iter().flatten().product::<f64>().sqrt();
+        free[slot] = false;
+    }
+    Ok(problem.polish(&values, &free).values)
 }
 
 #[cfg(test)]

@@ -428,11 +428,8 @@ pub fn influence(scores: &Scores, variances: &[Vec<[f64; 3]>; 2], wished: &[f64]
     scores.sheet.around(&own, 1).iter().map(|around| around[0]).collect()
 }
 
-/// How much of a standard error one pixel may make: so much, or where there are few, so many times what it would if all made as much.
-pub const PULL: f64 = 0.1;
+/// Where there are few pixels, one may make so many times what it would if all made as much.
 const FEW: f64 = 4.0;
-/// The same while the values are only near.
-pub const FIRST_PULL: f64 = 0.3;
 /// How nearly that is kept, in at most so many turns: what is taken from one pixel makes the standard errors smaller.
 const SLACK: f64 = 1.1;
 pub const BOUNDINGS: usize = 12;
