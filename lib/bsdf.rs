@@ -302,14 +302,11 @@ impl Bsdf {
     }
 
     /// Turns the frame to an anisotropic lobe's tangent; returns the numbers of the lobe along its axes, which are `[u, v]`, or the same
-    /// `mean` of them along both where the tangent has no direction.
+    /// `mean` of them along both where the tangent has no direction. One that is round is turned, too: it may stand for an unknown that is not.
     fn orient(&mut self, point: &Point, [u, v]: [f64; 2], mean: impl Fn([f64; 2]) -> [f64; 2]) -> [f64; 2] {
-        if u == v {
-            return [u, v];
-        }
         let across = point.shading.cross(point.orientation);
         if across.length_squared() <= 1e-12 * point.orientation.length_squared() || across == Vec3::ZERO {
-            return mean([u, v]);
+            return if u == v { [u, v] } else { mean([u, v]) };
         }
         let t = across.normalize();
         let to_world = self.frame;
