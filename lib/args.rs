@@ -146,7 +146,7 @@ fn finite(word: &str) -> std::result::Result<f64, String> {
 fn usage(error: &clap::Error) -> Error {
     let text = one_dash(&error.render().to_string(), "-");
     let mut lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
-    let mut message = lines.next().unwrap_or_default().trim_start_matches("error: ").to_string();
+    let mut message = lines.next().unwrap_or_default().trim_start_matches("error: ").replace(": error: ", ": ");
     for line in lines.take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more")) {
         message += if message.ends_with(':') { " " } else { "; " };
         message += line.trim_start_matches("tip: ");

@@ -60,7 +60,7 @@ impl std::str::FromStr for Bounds {
     type Err = Error;
 
     fn from_str(text: &str) -> Result<Self> {
-        let wrong = |what: &str| Error::new(format!("`{text}`: {what}; write NAME=START:LOW:HIGH, as in rough=.1:0:.3"));
+        let wrong = |what: &str| Error::new(format!("{what}; write NAME=START:LOW:HIGH, as in rough=.1:0:.3"));
         let (name, numbers) = text.split_once('=').ok_or_else(|| wrong("no `=`"))?;
         let numbers: Vec<&str> = numbers.split(':').map(str::trim).collect();
         let [start, low, high] = numbers[..] else { return Err(wrong("not three numbers")) };

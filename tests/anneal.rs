@@ -221,7 +221,8 @@ fn trouble_is_one_line_and_status_2() {
         trouble(&["--exec", FAKE, "--fix", "ior", "start.rad"])
             .starts_with("anneal: start.rad:2:6: error: metal `horse` has no parameter `ior`")
     );
-    assert!(trouble(&["--exec", FAKE, "--param", "red=2", "start.rad"]).contains("write NAME=START:LOW:HIGH"));
+    let said = trouble(&["--exec", FAKE, "--param", "red=2", "start.rad"]);
+    assert!(said.contains("not three numbers; write NAME=START:LOW:HIGH") && said.matches("error: ").count() == 1, "{said}");
     assert!(trouble(&["--exec", FAKE, "--steps", "0", "start.rad"]).contains("greater than 0"));
     assert!(trouble(&["propose", "absent"]).contains("absent: no such file; begin with anneal propose absent START.rad"));
     assert!(trouble(&["tell", "absent", "1"]).contains("absent: no such file"));

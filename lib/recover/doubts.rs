@@ -86,10 +86,7 @@ pub fn judge(unknown: &Unknown, values: &[f64], known: &Known) -> Judgement {
         if partners.is_empty() {
             standings[pivot] = Standing::Open;
             let part = whole.at(pivot, pivot).sqrt();
-            let far = match part * units[pivot] {
-                _ if part > ANYWHERE => "anywhere between its bounds".to_string(),
-                far => format!("by {far:.0$}", decimals(far) - 1),
-            };
+            let far = if part > ANYWHERE { "anywhere between its bounds".to_string() } else { by(part * units[pivot]) };
             let why = match scaled(seen, pivot, pivot).sqrt() >= UNDETERMINED {
                 true => "this picture and this light say next to nothing of it".to_string(),
                 false => format!("an error of {} % in the light, the shape or the picture could move it {far}", percent(off)),
@@ -103,9 +100,8 @@ pub fn judge(unknown: &Unknown, values: &[f64], known: &Known) -> Judgement {
     }
     let plain = |i: usize| standings[i] == Standing::Determined;
     if known.misfit > COMMON {
-        let far = |i: usize| (moved(i, i).sqrt() * units[i], &parameters[i].name);
-        let far = (0..n).filter(|&i| plain(i)).map(far).map(|(far, name)| format!("{name} by {far:.0$}", decimals(far) - 1));
-        let far: Vec<String> = far.collect();
+        let far = |i: usize| format!("{} {}", parameters[i].name, by(moved(i, i).sqrt() * units[i]));
+        let far: Vec<String> = (0..n).filter(|&i| plain(i)).map(far).collect();
         let harm = if far.is_empty() { String::new() } else { format!("; so large an error could move {}", list(&far)) };
         doubts.insert(
             0,
@@ -168,6 +164,11 @@ fn list(words: &[impl AsRef<str>]) -> String {
         [first @ .., last] if !first.is_empty() => format!("{} and {last}", first.join(", ")),
         _ => words.concat(),
     }
+}
+
+/// How far something moves, to the first digit.
+fn by(far: f64) -> String {
+    format!("by {far:.0$}", decimals(far) - 1)
 }
 
 /// A part in percent, to a tenth.

@@ -248,7 +248,8 @@ fn search(problem: &Problem, stage: &Stage, seed: u64) -> Result<Vec<f64>> {
     let (mut values, mut free) = (best.values.clone(), all);
     for (_, slot) in axes {
         let ends = [f64::min, f64::max].map(|end| alike.iter().map(|p| p.values[slot].abs().max(SMOOTHEST)).reduce(end));
-        values[slot] = ends.iter().flatten().product::<f64>().sqrt();
+        let between = ends.iter().flatten().product::<f64>().sqrt();
+        values[slot] = between.clamp(parameters[slot].low, parameters[slot].high);
         free[slot] = false;
     }
     Ok(problem.polish(&values, &free).values)
