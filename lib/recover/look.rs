@@ -35,9 +35,10 @@ pub trait Model: Sync {
 const MOST: f64 = 1024.0;
 
 /// Samples in each half of the first round, and of each pixel in it, at the least and at the most: rather few pixels that say something
-/// than many that are all noise, which the bottom of χ² takes for signal.
+/// than many that are all noise, which the bottom of χ² takes for signal (with half as many of each in twice the pixels errors are larger:
+/// derivatives are noise too, and noise is multiplied with noise).
 const FIRST: f64 = 80_000.0;
-const EACH: (f64, f64) = (24.0, 64.0);
+const EACH: (f64, f64) = (48.0, 64.0);
 
 /// By how much a round adds to all samples before it, at the least and at the most: errors fall faster than samples grow while the derivatives
 /// are noise too, and whoever trusts the square root takes far too many.
