@@ -117,6 +117,8 @@ struct Nearest {
     blur: f32,
     /// Which triangle (block · 8 + lane), or [`SINGLE`] and which other primitive; all ones for none.
     slot: u32,
+    /// Which surface it is of: asked for at once, as it lies far off in memory, while the walk goes on.
+    surface: u32,
     /// Whether another one is so near that it may be in front, or the same place.
     tie: bool,
     /// Distances that differ by less are one place.
@@ -147,7 +149,7 @@ impl Accel {
     pub fn nearest(&self, ray: &Ray, t_min: f64, t_max: f64) -> Option<Hit> {
         let probe = Probe::new(&self.space, ray, t_min, t_max)?;
         let tolerance = (self.tolerance * self.space.scale) as f32;
-        let mut best = Nearest { t: f32::INFINITY, blur: 0.0, slot: u32::MAX, tie: false, tolerance, hit: None };
+        let mut best = Nearest { t: f32::INFINITY, blur: 0.0, slot: u32::MAX, surface: 0, tie: false, tolerance, hit: None };
         self.tree.walk::<true>(&probe, probe.limit, |leaf, mut limit| {
             if leaf & SINGLE != 0 {
                 return self.take_single(ray, &probe, leaf, t_min, t_max, limit, &mut best);
@@ -160,6 +162,9 @@ impl Accel {
                     let (t, blur, slot) = (lanes.t[lane], lanes.blur[lane], number << 3 | lane as u32);
                     if t <= limit && probe.within(t, blur).unwrap_or_else(|| self.within(&probe, slot, t_min, t_max)) {
                         limit = best.take(t, blur, slot);
+                        if best.slot == slot {
+                            best.surface = self.tree.details[block.first as usize + lane].surface;
+                        }
                     }
                 }
             }
@@ -175,7 +180,7 @@ impl Accel {
             return best.hit;
         }
         let detail = &self.tree.details[self.tree.place(best.slot)];
-        Some(self.tree.meet(&probe, best.slot, best.t).hit(&probe, detail, self.surfaces[detail.surface as usize].mirrored()))
+        Some(self.tree.meet(&probe, best.slot, best.t).hit(&probe, detail, self.surfaces[best.surface as usize].mirrored()))
     }
 
     /// Whether any surface is met at a distance between `t_min` and `t_max` (both excluded).
