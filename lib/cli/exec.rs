@@ -69,9 +69,11 @@ impl Objective for Exec<'_> {
     }
 }
 
-/// The last word that is a number.
+/// The last line that is a number, as imgdiff prints chi-squared before what it names; else the last word that is one.
 pub fn last_number(text: &str) -> Option<f64> {
-    text.split(|c: char| c.is_whitespace() || matches!(c, ',' | ';' | '=' | ':' | '(' | ')')).rev().find_map(|word| word.parse().ok())
+    let alone = text.lines().rev().find_map(|line| line.trim().parse().ok());
+    let mut words = text.split(|c: char| c.is_whitespace() || matches!(c, ',' | ';' | '=' | ':' | '(' | ')')).rev();
+    alone.or_else(|| words.find_map(|word| word.parse().ok()))
 }
 
 /// The end of what was printed to a file.
@@ -107,7 +109,8 @@ mod tests {
         assert_eq!(run("awk '{print $7}' $MATERIAL").unwrap(), 0.25);
         assert_eq!(run("awk '{print $7}' {}").unwrap(), 0.25);
         assert_eq!(run("echo chi2=$STAGE").unwrap(), 2.0);
-        assert_eq!(run("echo 3; echo '(chi2: -1.5e-3)'; echo done").unwrap(), -1.5e-3);
+        assert_eq!(run("echo step 3; echo '(chi2: -1.5e-3)'; echo done").unwrap(), -1.5e-3);
+        assert_eq!(run("echo 0.25; echo dof 768; echo exposure 1.5").unwrap(), 0.25);
         assert_eq!(run("cat; yes | head -c 200000; echo 7; yes | head -c 200000 >&2").unwrap(), 7.0);
     }
 
