@@ -27,6 +27,10 @@ pub trait Model: Sync {
     /// How much of a standard error one pixel may make: while the values are only near, and in the end.
     fn pulls(&self) -> [f64; 2];
 
+    /// Samples of each pixel in each half of the first round, at the least. Rather few pixels that say something than many that are all
+    /// noise, which the bottom of χ² takes for signal; derivatives are noise too, and noise is multiplied with noise.
+    fn least(&self) -> f64;
+
     /// Whether values lie well inside of where it can be: if not, they had better be looked at by a model around them.
     fn holds(&self, values: &[f64]) -> bool;
 }
@@ -34,11 +38,9 @@ pub trait Model: Sync {
 /// The most samples of a pixel in each half of a round, whatever its share.
 const MOST: f64 = 1024.0;
 
-/// Samples in each half of the first round, and of each pixel in it, at the least and at the most: rather few pixels that say something
-/// than many that are all noise, which the bottom of χ² takes for signal (with half as many of each in twice the pixels errors are larger:
-/// derivatives are noise too, and noise is multiplied with noise).
+/// Samples in each half of the first round, and of each pixel in it at the most.
 const FIRST: f64 = 80_000.0;
-const EACH: (f64, f64) = (48.0, 64.0);
+const EACH: f64 = 64.0;
 
 /// By how much a round adds to all samples before it, at the least and at the most: errors fall faster than samples grow while the derivatives
 /// are noise too, and whoever trusts the square root takes far too many.
@@ -69,8 +71,8 @@ impl Look<'_> {
         let begin = Instant::now();
         let pixels = if self.effort.quick { self.pixels.to_vec() } else { scattered(self.pixels, self.evidence.film.width) };
         let all = pixels.len() as f64;
-        let mut count = if self.effort.quick { all } else { (FIRST / EACH.0).floor().min(all) };
-        let mut each = (FIRST / count).min(EACH.1).floor();
+        let mut count = if self.effort.quick { all } else { (FIRST / model.least()).floor().min(all) };
+        let mut each = (FIRST / count).min(EACH).floor();
         let mut best = near.to_vec();
         model.tune(&best, None);
         let trace = |model: &dyn Model, numbers: &[usize], samples: f64, seeds: &mut Seeds| {

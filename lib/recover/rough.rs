@@ -34,6 +34,9 @@ const ALIKE: f64 = 1.05;
 /// How much of a standard error one pixel may make: one that sees a lamp by the way would else outweigh thousands.
 const PULLS: [f64; 2] = [0.3, 0.1];
 
+/// Samples of a pixel in the first round: with half as many of each in twice the pixels, errors are larger; with 64, rounds take longer.
+const LEAST: f64 = 48.0;
+
 /// Looks before the search gives up to keep the answer inside the nodes.
 const MOST_LOOKS: usize = 10;
 
@@ -133,6 +136,10 @@ impl Model for Stage<'_> {
 
     fn pulls(&self) -> [f64; 2] {
         PULLS
+    }
+
+    fn least(&self) -> f64 {
+        LEAST
     }
 
     fn holds(&self, values: &[f64]) -> bool {
