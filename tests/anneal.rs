@@ -243,6 +243,17 @@ fn a_command_that_does_not_look_at_the_material_is_warned_of() {
 }
 
 #[test]
+fn what_a_noisy_judge_leaves_open_is_not_blamed_on_the_light() {
+    let directory = directory();
+    // Noise that is a hundred times as large as what it hides.
+    let judge = r#"awk '/^5 /{print 2 + .01 * $2 + sin(1e6 * ($2 + $3 + $4 + $5 + $6))}' $MATERIAL"#;
+    let done = run(directory.path(), &["--exec", judge, "--steps", "60", "start.rad"]);
+    let said = text(&done.stderr);
+    assert!(said.contains("is not determined: the chi-squareds that were seen are too few, or too noisy, or say little of it; "), "{said}");
+    assert!(!said.contains("this picture and this light"), "{said}");
+}
+
+#[test]
 fn stages_ties_and_bounds_reach_the_command() {
     let directory = directory();
     // The coarse stage is the same in other units.

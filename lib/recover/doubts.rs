@@ -88,6 +88,9 @@ pub fn judge(unknown: &Unknown, values: &[f64], known: &Known) -> Judgement {
             let part = whole.at(pivot, pivot).sqrt();
             let far = if part > ANYWHERE { "anywhere between its bounds".to_string() } else { by(part * units[pivot]) };
             let why = match scaled(seen, pivot, pivot).sqrt() >= UNDETERMINED {
+                true if known.common.is_none() => {
+                    "the chi-squareds that were seen are too few, or too noisy, or say little of it".to_string()
+                }
                 true => "this picture and this light say next to nothing of it".to_string(),
                 false => format!("an error of {} % in the light, the shape or the picture could move it {far}", percent(off)),
             };
