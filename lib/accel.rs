@@ -163,7 +163,7 @@ impl Accel {
                     if t <= limit && probe.within(t, blur).unwrap_or_else(|| self.within(&probe, slot, t_min, t_max)) {
                         limit = best.take(t, blur, slot);
                         if best.slot == slot {
-                            best.surface = self.tree.details[block.first as usize + lane].surface;
+                            best.surface = self.tree.details[self.tree.place(slot)].surface;
                         }
                     }
                 }

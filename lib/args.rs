@@ -142,7 +142,8 @@ fn finite(word: &str) -> std::result::Result<f64, String> {
     word.parse().ok().filter(|x: &f64| x.is_finite()).ok_or_else(|| "not a finite number".into())
 }
 
-/// A usage error as one line: what is wrong, what was perhaps meant, where to find more.
+/// A usage error as one line: what is wrong, what was perhaps meant, where to find more. Errors of our own within it say no second time
+/// that they are some.
 fn usage(error: &clap::Error) -> Error {
     let text = one_dash(&error.render().to_string(), "-");
     let mut lines = text.lines().map(str::trim).filter(|line| !line.is_empty());

@@ -101,8 +101,7 @@ pub struct Photo {
 #[command(next_help_heading = "Judge")]
 pub struct Judge {
     /// Run COMMAND in the shell for each candidate: the file is $MATERIAL (and {}), $STAGE is 1 and more, chi-squared is the last
-    /// number that has a line for itself, else the last one printed. 'oconv $MATERIAL scene.rad > t.oct && rpict -vf cam.vf t.oct |
-    /// imgdiff photo.hdr -' uses RADIANCE
+    /// number printed. 'oconv $MATERIAL scene.rad > t.oct && rpict -vf cam.vf t.oct | imgdiff photo.hdr -' uses RADIANCE
     #[arg(long, value_name = "COMMAND")]
     pub exec: Option<String>,
 }

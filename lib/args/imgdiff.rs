@@ -4,6 +4,11 @@ use super::Common;
 use crate::metric::Measures;
 use std::path::PathBuf;
 
+/// What is printed after the measures: what B was multiplied with, and the degrees of freedom.
+pub const SCALE: &str = "scale";
+/// See [`SCALE`].
+pub const DOF: &str = "dof";
+
 /// How far is one picture from another?
 ///
 /// Prints chi-squared: the sum over all pixels of the squared differences of red, green and blue, in radiance. A and B are RADIANCE pictures (.hdr, .pic) or OpenEXR files of one size; - is standard input. A is the reference. Exposure

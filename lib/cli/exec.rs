@@ -2,6 +2,7 @@
 
 use super::stream::plain;
 use crate::anneal::Objective;
+use crate::args::imgdiff::{DOF, SCALE};
 use crate::error::{Error, Result};
 use crate::unknown::Unknown;
 use std::fs::File;
@@ -69,11 +70,11 @@ impl Objective for Exec<'_> {
     }
 }
 
-/// The last line that is a number, as imgdiff prints chi-squared before what it names; else the last word that is one.
+/// The last word that is a number, but for what imgdiff says after chi-squared.
 pub fn last_number(text: &str) -> Option<f64> {
-    let alone = text.lines().rev().find_map(|line| line.trim().parse().ok());
-    let mut words = text.split(|c: char| c.is_whitespace() || matches!(c, ',' | ';' | '=' | ':' | '(' | ')')).rev();
-    alone.or_else(|| words.find_map(|word| word.parse().ok()))
+    let measures = text.lines().filter(|line| !line.split(' ').next().is_some_and(|name| [SCALE, DOF].contains(&name)));
+    let between = |c: char| c.is_whitespace() || matches!(c, ',' | ';' | '=' | ':' | '(' | ')');
+    measures.rev().find_map(|line| line.split(between).rev().find_map(|word| word.parse().ok()))
 }
 
 /// The end of what was printed to a file.
@@ -109,8 +110,8 @@ mod tests {
         assert_eq!(run("awk '{print $7}' $MATERIAL").unwrap(), 0.25);
         assert_eq!(run("awk '{print $7}' {}").unwrap(), 0.25);
         assert_eq!(run("echo chi2=$STAGE").unwrap(), 2.0);
-        assert_eq!(run("echo step 3; echo '(chi2: -1.5e-3)'; echo done").unwrap(), -1.5e-3);
-        assert_eq!(run("echo 0.25; echo dof 768; echo exposure 1.5").unwrap(), 0.25);
+        assert_eq!(run("echo 3; echo '(chi2: -1.5e-3)'; echo done").unwrap(), -1.5e-3);
+        assert_eq!(run("echo 0.25; echo scale 1.5; echo dof 768").unwrap(), 0.25);
         assert_eq!(run("cat; yes | head -c 200000; echo 7; yes | head -c 200000 >&2").unwrap(), 7.0);
     }
 

@@ -86,13 +86,13 @@ pub fn judge(unknown: &Unknown, values: &[f64], known: &Known) -> Judgement {
         if partners.is_empty() {
             standings[pivot] = Standing::Open;
             let part = whole.at(pivot, pivot).sqrt();
-            let far = if part > ANYWHERE { "anywhere between its bounds".to_string() } else { by(part * units[pivot]) };
-            let why = match scaled(seen, pivot, pivot).sqrt() >= UNDETERMINED {
-                true if known.common.is_none() => {
-                    "the chi-squareds that were seen are too few, or too noisy, or say little of it".to_string()
-                }
-                true => "this picture and this light say next to nothing of it".to_string(),
-                false => format!("an error of {} % in the light, the shape or the picture could move it {far}", percent(off)),
+            let why = if scaled(seen, pivot, pivot).sqrt() < UNDETERMINED {
+                let far = if part > ANYWHERE { "anywhere between its bounds".to_string() } else { by(part * units[pivot]) };
+                format!("an error of {} % in the light, the shape or the picture could move it {far}", percent(off))
+            } else if known.common.is_some() {
+                "this picture and this light say next to nothing of it".to_string()
+            } else {
+                "the chi-squareds that were seen are too few, or too noisy, or say little of it".to_string()
             };
             doubts.push(format!("{} is not determined: {why}; {help}", parameters[pivot].name));
         } else {

@@ -1,6 +1,6 @@
 //! imgdiff: how far one picture is from another.
 
-use inverad::args::imgdiff::Args;
+use inverad::args::imgdiff::{Args, DOF, SCALE};
 use inverad::cli::{self, Answer, Console, Input, Outcome, Output, Stop};
 use inverad::error::Result;
 use inverad::metric::{self, Comparison, Measures, Named};
@@ -33,11 +33,11 @@ fn run(args: Args, console: &Console) -> Outcome<Answer> {
     if args.fit_exposure {
         let (fitted, factor) = comparison.fit_exposure()?;
         comparison = fitted;
-        facts.push(("scale", factor));
+        facts.push((SCALE, factor));
     }
     let measures = comparison.measure();
     if variance.is_some() {
-        facts.push(("dof", measures.degrees_of_freedom - f64::from(args.fit_exposure)));
+        facts.push((DOF, measures.degrees_of_freedom - f64::from(args.fit_exposure)));
         if measures.without_variance > 0 {
             console.warn(&format!("{} values have no variance and are left out of chi2", measures.without_variance));
         }
