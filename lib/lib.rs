@@ -47,7 +47,7 @@
 //! | [`recover`] | target, unknown and bounds to values and their standard errors | rayon |
 //! | [`report`] | a recovery as one page to look at | serde |
 //! | [`args`] | what was typed | clap, clap_complete, clap_mangen |
-//! | [`cli`] | the outside: files, commands, progress, exit status | clap, ctrlc, rayon, serde, serde_json, tempfile |
+//! | [`cli`] | the outside: files, commands, progress, exit status | clap, rayon, serde, serde_json, signal_hook, tempfile |
 
 pub mod accel;
 pub mod anneal;

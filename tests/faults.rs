@@ -31,7 +31,7 @@ fn directory() -> TempDir {
 
 fn command(program: &str, directory: &Path, words: &[&str]) -> Command {
     let mut command = Command::new(program);
-    command.current_dir(directory).args(words).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    command.current_dir(directory).env("TMPDIR", directory).args(words).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
     command
 }
 

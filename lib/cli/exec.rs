@@ -1,5 +1,6 @@
 //! Any renderer: a shell command that says how good a candidate is.
 
+use super::signal;
 use super::stream::plain;
 use crate::anneal::Objective;
 use crate::args::imgdiff::{DOF, SCALE};
@@ -30,6 +31,7 @@ impl<'a> Exec<'a> {
         let directory = tempfile::Builder::new().prefix("anneal-").tempdir();
         let directory =
             directory.map_err(|e| Error::new(format!("no temporary directory: {}; set TMPDIR to a place for one", plain(&e))))?;
+        signal::begun(directory.path());
         let file = directory.path().join("material.rad");
         Ok(Self { command: command.replace("{}", &file.to_string_lossy()), unknown, directory })
     }

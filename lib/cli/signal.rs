@@ -1,38 +1,48 @@
-//! Ctrl-C, and other signals to end: files being written are removed; a program that can end with what it has so far is given the chance.
+//! Ctrl-C and SIGTERM: what is being written is removed; a program that can end with what it has so far is given the chance.
 
+use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::iterator::Signals;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{LazyLock, Mutex, MutexGuard, PoisonError};
+use std::sync::{LazyLock, Mutex, MutexGuard, OnceLock, PoisonError};
+use std::time::{Duration, Instant};
 
-/// Files being written, to be removed when the program is interrupted.
+/// Signals this close to the first are the same: `timeout` signals a program and its process group, which are one program twice.
+const SAME: Duration = Duration::from_millis(200);
+
+/// Files and directories of what is under way, to be removed when the program is interrupted.
 static UNFINISHED: LazyLock<Mutex<Vec<PathBuf>>> = LazyLock::new(|| {
-    // Without a handler an interrupted program leaves a hidden file behind; that is no reason not to run.
-    let _ = ctrlc::set_handler(|| {
-        if PATIENT.load(Ordering::Relaxed) && !ASKED.swap(true, Ordering::Relaxed) {
-            return;
-        }
-        for path in unfinished().iter() {
-            let _ = std::fs::remove_file(path);
-        }
-        std::process::exit(130);
-    });
+    // Without a handler an interrupted program leaves hidden files behind; that is no reason not to run.
+    if let Ok(mut signals) = Signals::new([SIGINT, SIGTERM]) {
+        let _ = std::thread::Builder::new().spawn(move || signals.forever().for_each(received));
+    }
     Mutex::default()
 });
 
 /// Whether the program ends by itself when asked.
 static PATIENT: AtomicBool = AtomicBool::new(false);
 
-/// Whether it was asked.
-static ASKED: AtomicBool = AtomicBool::new(false);
+/// When it was asked.
+static ASKED: OnceLock<Instant> = OnceLock::new();
+
+fn received(signal: i32) {
+    if PATIENT.load(Ordering::Relaxed) && ASKED.get_or_init(Instant::now).elapsed() < SAME {
+        return;
+    }
+    for path in unfinished().iter() {
+        let _ = std::fs::remove_file(path).or_else(|_| std::fs::remove_dir_all(path));
+    }
+    std::process::exit(128 + signal);
+}
 
 /// From now on the first signal to end is a question: the result tells whether it was asked. The second ends the program at once.
 pub fn interrupted() -> impl Fn() -> bool {
     LazyLock::force(&UNFINISHED);
     PATIENT.store(true, Ordering::Relaxed);
-    || ASKED.load(Ordering::Relaxed)
+    || ASKED.get().is_some()
 }
 
-/// A file is being written.
+/// A file is being written, or a directory is used for a time.
 pub(super) fn begun(path: &Path) {
     unfinished().push(path.to_path_buf());
 }
