@@ -64,6 +64,11 @@ pub fn sample_power(powers: [f64; 2], wo: Vec3, [u, v]: [f64; 2]) -> Vec3 {
     h * (2.0 * wo.dot(h)) - wo
 }
 
+/// The numbers that draw the slope opposite to the one that `u` draws.
+pub fn opposite([u, v]: [f64; 2]) -> [f64; 2] {
+    [u, (v + 0.5).fract()]
+}
+
 /// A slope from the Gaussian with density exp(−x²/α₀ − y²/α₁)/(π√(α₀α₁)).
 fn slope(alpha: [f64; 2], [u, v]: [f64; 2]) -> [f64; 2] {
     let r = (-(1.0 - u).ln()).sqrt();
@@ -99,4 +104,17 @@ pub fn transmission_pdf(beta: [f64; 2], straight: Vec3, wi: Vec3) -> f64 {
 pub fn sample_transmission(beta: [f64; 2], straight: Vec3, u: [f64; 2]) -> Vec3 {
     let [x, y] = slope(beta, u);
     (straight + Vec3::new(x, y, 0.0)).normalize()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn opposite_numbers_draw_opposite_slopes() {
+        for u in [[0.1, 0.0], [0.5, 0.2], [0.9, 0.7], [0.999, 0.5]] {
+            let ([x, y], [a, b]) = (slope([0.01, 0.2], u), slope([0.01, 0.2], opposite(u)));
+            assert!((x + a).abs() < 1e-12 && (y + b).abs() < 1e-12, "{u:?}");
+        }
+    }
 }

@@ -1,7 +1,7 @@
 //! How a path goes on from a surface: in single directions, by samples of its rough parts, aimed at lamps and at the environment.
 
 use super::{EXACT_ROULETTE, Integrator, Kind, MANY, PATIENCE, ROULETTE, Scattered, Scattering, Segment, Transport};
-use crate::bsdf::{Arriving, Bsdf, Delta, Part};
+use crate::bsdf::{Arriving, Bsdf, Delta, Part, lobe};
 use crate::color::Rgb;
 use crate::geometry::Ray;
 use crate::vector::Vec3;
@@ -159,9 +159,14 @@ impl<B: Clone> Integrator<'_, B> {
         let count = surface.ways(part);
         let only = if at.exact || count == 1 { None } else { Some(((self.draw(at)[0] * count as f64) as usize).min(count - 1)) };
         from.shared = ways.aims[k] > 0.0;
-        let mut us = [[0.0; 2]; MOST_WAYS];
+        let (mut us, mut other) = ([[0.0; 2]; MOST_WAYS], None);
         for way in (0..count).filter(|&w| only.is_none_or(|o| o == w)) {
-            let u = self.draw(at);
+            // Two ways look to opposite sides of the lobe: what only tilts across it cancels (Hammersley and Morton 1956).
+            let u = other.take().unwrap_or_else(|| {
+                let u = self.draw(at);
+                other = Some(lobe::opposite(u));
+                u
+            });
             if let Some(kept) = us.get_mut(way) {
                 *kept = u;
             }

@@ -7,7 +7,7 @@
 use super::fit::Point;
 use super::look::{Look, Model};
 use super::model::{cubic, exposed};
-use super::statistics::Sheet;
+use super::sheet::Sheet;
 use super::{Effort, Evidence, Recovery, Seeds};
 use crate::anneal::{Annealer, Options};
 use crate::color::Rgb;

@@ -4,7 +4,7 @@
 //! picture that does not make it much less does not determine it. Nor does one that would, if its errors were independent from pixel to
 //! pixel, but not with a small error that many pixels have in common.
 
-use super::statistics::COMMON;
+use super::scores::COMMON;
 use crate::anneal::Parameter;
 use crate::anneal::linear::Symmetric;
 use crate::unknown::{EXPOSURES, Unknown};
@@ -179,9 +179,9 @@ fn percent(part: f64) -> f64 {
     (1000.0 * part).round() / 10.0
 }
 
-/// How many decimals show two digits of an error.
+/// How many decimals show two digits of an error: of .0996, which is .10, two.
 pub fn decimals(error: f64) -> usize {
-    if error > 0.0 { (1 - error.log10().floor() as i32).clamp(1, 12) as usize } else { 6 }
+    if error > 0.0 { (1 - (error / 0.995).log10().floor() as i32).clamp(1, 12) as usize } else { 6 }
 }
 
 /// A value with the digits that its error leaves it, and the error with two.
@@ -247,5 +247,14 @@ mod tests {
         let [doubt] = &found.doubts[..] else { panic!("{:?}", found.doubts) };
         assert!(doubt.starts_with("whole areas of the picture are 3 % brighter or darker than any noise explains: "), "{doubt}");
         assert!(doubt.ends_with("could move red by 0.02, green by 0.02, blue by 0.02, spec by 0.02 and rough by 0.008"), "{doubt}");
+    }
+
+    #[test]
+    fn an_error_is_shown_with_two_digits() {
+        for (error, shown) in
+            [(0.0996, "0.10"), (0.0994, "0.099"), (0.1, "0.10"), (0.0123, "0.012"), (0.00095, "0.00095"), (0.0009951, "0.0010")]
+        {
+            assert_eq!(digits(0.5, error).1, shown, "{error}");
+        }
     }
 }

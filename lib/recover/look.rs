@@ -2,7 +2,8 @@
 
 use super::fit::{Valley, derivatives};
 use super::misfit::misfit;
-use super::statistics::{BOUNDINGS, Channels, Place, STEPS, Scores, Sheet, influence, pictures, products, total, weight};
+use super::scores::{BOUNDINGS, Place, STEPS, Scores, influence, pictures, products, total};
+use super::sheet::{Channels, Sheet, weight};
 use super::{Effort, Evidence, Recovery, Seeds};
 use crate::anneal::Parameter;
 use crate::anneal::linear::Symmetric;
@@ -46,9 +47,23 @@ const EACH: f64 = 64.0;
 /// are noise too, and whoever trusts the square root takes far too many.
 const GROWTH: (f64, f64) = (0.2, 0.8);
 
+/// How much of a derivative must not be noise for more pixels to be worth more than more samples of those seen; and so many samples of each in
+/// each half say what they can.
+const CLEAR: f64 = 0.5;
+const DEEP: f64 = 192.0;
+
 /// The most rounds; and how many samples of all pixels, in each half, are enough where no tolerance is asked for.
 const ROUNDS: usize = 12;
 const BUDGET: f64 = 800_000.0;
+
+/// What a round finds.
+struct Fit {
+    found: Recovery,
+    /// How much the error of a sample in each pixel disturbs the values.
+    influence: Vec<f64>,
+    /// How much of the derivative by each of them is not noise.
+    clarity: Vec<f64>,
+}
 
 /// What is looked at, and with what in mind.
 pub struct Look<'a> {
@@ -65,8 +80,8 @@ pub struct Look<'a> {
 }
 
 impl Look<'_> {
-    /// Traces and fits, round by round, until what was found is enough, or lies where the model is not to be trusted. First more and more
-    /// pixels are seen; then what one round finds says where the next samples are worth most.
+    /// Traces and fits, round by round, until what was found is enough, or lies where the model is not to be trusted. More and more pixels are
+    /// seen, as long as they tell of what is wanted most; among those seen, what one round finds says where the next samples are worth most.
     pub fn at(&self, model: &mut dyn Model, near: &[f64], seeds: &mut Seeds) -> Recovery {
         let begin = Instant::now();
         let pixels = if self.effort.quick { self.pixels.to_vec() } else { scattered(self.pixels, self.evidence.film.width) };
@@ -82,7 +97,7 @@ impl Look<'_> {
         let mut before = Vec::new();
         for round in 1.. {
             let sheet = Sheet::new(self.evidence, &pixels[..count as usize]);
-            let (found, influence) = self.fit(&sheet, model, &basis, &best);
+            let Fit { found, influence, clarity } = self.fit(&sheet, model, &basis, &best);
             (self.effort.told)(&found);
             let strayed = !model.holds(&found.values);
             let budget = if self.effort.tolerance.is_none() { BUDGET / each / count } else { f64::INFINITY };
@@ -98,29 +113,31 @@ impl Look<'_> {
             best.clone_from(&found.values);
             model.tune(&best, Some(&found.errors()));
             let growth = (self.effort.lack(self.parameters, &found) - 1.0).max(GROWTH.0).min(most);
+            let clear = clarity[self.effort.worst(self.parameters, &found)] >= CLEAR;
             if count == all {
                 before.push(found);
             }
-            if count < all {
+            // Noise is multiplied with noise where a derivative is mostly that: samples are then worth more together.
+            if count < all && (clear || each >= DEEP) {
                 let more = (count * (1.0 + growth)).floor().min(all);
                 basis.append(trace(model, &pixels[count as usize..more as usize], each, seeds));
                 count = more;
             } else {
                 let mean = each * growth;
                 each += mean;
-                basis.join(&model.trace(&pixels, &shared(mean, &influence, &basis.samples), seeds.next()));
+                basis.join(&model.trace(sheet.numbers, &shared(mean, &influence, &basis.samples), seeds.next()));
             }
         }
         unreachable!("a look has rounds")
     }
 
-    /// The values that explain the picture best, near some; and how much the error of a sample in each pixel disturbs them.
-    fn fit(&self, sheet: &Sheet, model: &dyn Model, basis: &Basis, near: &[f64]) -> (Recovery, Vec<f64>) {
+    /// The values that explain the picture best, near some.
+    fn fit(&self, sheet: &Sheet, model: &dyn Model, basis: &Basis, near: &[f64]) -> Fit {
         let halves = pictures(basis, &[model.coefficients(near)]).swap_remove(0);
         let variances = sheet.variances(&halves, basis);
         let weights = sheet.by_variance(&halves, &variances, &basis.samples);
         // The bottom of the whole χ², which is safe to find though its place is biased by the noise of the rendering.
-        let whole = Whole { model, basis, target: &sheet.target, weights: &weights, bounds: self.bounds };
+        let whole = Whole { model, basis, target: &sheet.target, weights: &weights.halves, bounds: self.bounds };
         let mut values = whole.polish(near, &vec![true; near.len()]).values;
         let at = |values: &[f64], weights| Scores::new(sheet, weights, Place::new(model, basis, values, self.bounds), self.bounds);
         let mut now = at(&values, weights);
@@ -152,11 +169,12 @@ impl Look<'_> {
             }
         }
         let wished: Vec<f64> = self.parameters.iter().zip(&values).map(|(p, value)| self.effort.near(p, *value)).collect();
-        let influence = influence(&now, &variances, &wished);
+        let (influence, clarity) = (influence(&now, &variances, &wished), now.clarity());
         let losses = if self.effort.quick { now.losses(&sheet.relative()) } else { vec![] };
-        let (common, misfit) = (now.common(), misfit(sheet, &now.weights, &now.place.halves));
+        let (common, misfit) = (now.common(), misfit(sheet, &now.weights.halves, &now.place.halves));
         let (chi2, pixels) = (now.chi2(), sheet.numbers.len());
-        (Recovery { values, covariance: now.covariance, own: now.own, common, misfit, chi2, pixels, losses }, influence)
+        let found = Recovery { values, covariance: now.covariance, own: now.own, common, misfit, chi2, pixels, losses };
+        Fit { found, influence, clarity }
     }
 
     /// Where the scores ask values to move, as far as the model can be trusted, and how far that is in standard errors.

@@ -3,7 +3,7 @@
 //! Noise differs from pixel to pixel. What whole areas are off by, the model does not explain: the light, the shape or the type of the
 //! material are not those of the photograph, and standard errors, which go by the noise, do not count it.
 
-use super::statistics::{Channels, Half, Sheet, weight};
+use super::sheet::{Channels, Half, Sheet, weight};
 use std::collections::BTreeMap;
 
 /// The side of an area, in pixels.

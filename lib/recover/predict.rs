@@ -3,7 +3,8 @@
 use super::doubts::Known;
 use super::look::Model;
 use super::model::Kind;
-use super::statistics::{COMMON, Channels, Place, Scores, Sheet};
+use super::scores::{COMMON, Place, Scores};
+use super::sheet::{Channels, Sheet, Weights};
 use super::{Evidence, clear, rough, supported};
 use crate::anneal::linear::Symmetric;
 use crate::error::Result;
@@ -76,7 +77,6 @@ fn by(model: &mut dyn Model, evidence: &Evidence, unknown: &Unknown, pixels: &[u
     let dark = DARK * sheet.level;
     let weights: Channels =
         sheet.target.iter().map(|t| t.map(|v| ((NOISE * v as f64).powi(2) + dark * dark).max(f64::MIN_POSITIVE).recip() as f32)).collect();
-    let weights = [weights.clone(), weights];
-    let scores = Scores::new(&sheet, weights, place, &bounds);
+    let scores = Scores::new(&sheet, Weights::new([weights.clone(), weights]), place, &bounds);
     Ok(Prediction { covariance: scores.expected(), common: scores.common(), pixels: pixels.len(), level: sheet.level })
 }

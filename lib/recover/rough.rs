@@ -4,7 +4,7 @@ use super::fit::{Point, Problem, Valley};
 use super::gram::Gram;
 use super::look::{Look, Model, scattered};
 use super::model::{Grid, Kind, alphas, coefficients, exposed, parts};
-use super::statistics::Sheet;
+use super::sheet::Sheet;
 use super::{Effort, Evidence, Recovery, Seeds};
 use crate::anneal::{Annealer, Options};
 use crate::color::Rgb;

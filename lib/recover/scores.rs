@@ -1,173 +1,9 @@
-//! How much each pixel can be trusted, and how much the values that were fitted to them.
+//! How much the values can be trusted that were fitted to the pixels, and which way these pull.
 
-use super::Evidence;
+use super::sheet::{Channels, Half, Sheet, Weights, weight};
 use crate::anneal::linear::Symmetric;
 use crate::transport::{Basis, Mixture};
 use rayon::prelude::*;
-
-/// Three numbers for each pixel that counts.
-pub type Channels = Vec<[f32; 3]>;
-/// The same of an estimate.
-pub type Half = Vec<[f64; 3]>;
-
-/// The pixels that count, where they lie, and what was photographed there.
-pub struct Sheet<'a> {
-    evidence: &'a Evidence<'a>,
-    /// Their numbers on the film.
-    pub numbers: &'a [usize],
-    /// The target's values there.
-    pub target: Channels,
-    /// The place in `numbers` of each pixel of the film.
-    places: Vec<u32>,
-    /// The mean of the target's values.
-    pub level: f64,
-}
-
-impl<'a> Sheet<'a> {
-    /// The sheet of some pixels.
-    pub fn new(evidence: &'a Evidence<'a>, numbers: &'a [usize]) -> Self {
-        let target: Channels = numbers.iter().map(|&n| evidence.target.pixels[n]).collect();
-        let level = target.iter().flatten().map(|&v| v as f64).sum::<f64>() / (3 * target.len()) as f64;
-        let mut places = vec![u32::MAX; evidence.film.width * evidence.film.height];
-        numbers.iter().enumerate().for_each(|(i, &n)| places[n] = i as u32);
-        Self { evidence, numbers, target, places, level }
-    }
-
-    /// Column and row of a pixel of the film.
-    pub fn place(&self, number: usize) -> (usize, usize) {
-        (number % self.evidence.film.width, number / self.evidence.film.width)
-    }
-
-    /// How much a pixel counts.
-    pub fn weight(&self, i: usize) -> f64 {
-        self.evidence.mask.map_or(1.0, |mask| mask[self.numbers[i]] as f64)
-    }
-
-    /// For each pixel, the mean of `values` over the pixels at most `reach` away that count.
-    fn blurred(&self, values: &[[f64; 3]], reach: isize) -> Vec<[f64; 3]> {
-        self.mean(values, reach, true)
-    }
-
-    /// The same without the pixel itself, unless it is alone.
-    fn around(&self, values: &[[f64; 3]], reach: isize) -> Vec<[f64; 3]> {
-        self.mean(values, reach, false)
-    }
-
-    fn mean(&self, values: &[[f64; 3]], reach: isize, itself: bool) -> Vec<[f64; 3]> {
-        let (width, height) = (self.evidence.film.width as isize, self.evidence.film.height as isize);
-        let mean = |&n: &usize| {
-            let (x, y) = (n as isize % width, n as isize / width);
-            let (mut sum, mut count) = ([0.0; 3], 0.0);
-            for v in (y - reach).max(0)..=(y + reach).min(height - 1) {
-                for u in (x - reach).max(0)..=(x + reach).min(width - 1) {
-                    let place = self.places[(v * width + u) as usize];
-                    if place != u32::MAX && (itself || (u, v) != (x, y)) {
-                        (0..3).for_each(|c| sum[c] += values[place as usize][c]);
-                        count += 1.0;
-                    }
-                }
-            }
-            if count > 0.0 { sum.map(|s| s / count) } else { values[self.places[n] as usize] }
-        };
-        self.numbers.par_iter().map(mean).collect()
-    }
-
-    fn masked(&self, i: usize, weight: [f64; 3]) -> [f32; 3] {
-        let counts = self.weight(i);
-        weight.map(|w| (w * counts) as f32)
-    }
-
-    /// Weights that make errors relative, from the target blurred: what a first look can go by.
-    pub fn relative(&self) -> Channels {
-        let target: Vec<[f64; 3]> = self.target.iter().map(|t| t.map(f64::from)).collect();
-        let floor = 0.1 * self.level;
-        self.blurred(&target, 2).into_iter().enumerate().map(|(i, t)| self.masked(i, t.map(|v| (v + floor).powi(-2)))).collect()
-    }
-
-    /// The variance of one sample of each pixel, as each half has it: by how the samples of that half differ, and by those of its neighbours, for
-    /// few samples may all have missed what glints now and then.
-    pub fn variances(&self, halves: &[Half], basis: &Basis) -> [Vec<[f64; 3]>; 2] {
-        let own = |half: usize, i: usize| basis.variances[2 * i + half].map(f64::from);
-        let count = self.numbers.len();
-        let mean: Vec<[f64; 3]> = (0..count).map(|i| std::array::from_fn(|c| 0.5 * (own(0, i)[c] + own(1, i)[c]))).collect();
-        let around = self.around(&mean, 1);
-        // Samples that fill a pixel evenly err less than chance would have it.
-        let (mut by_chance, mut seen) = (0.0, 0.0);
-        for (i, w) in self.relative().iter().enumerate() {
-            for c in 0..3 {
-                by_chance += w[c] as f64 * mean[i][c];
-                seen += w[c] as f64 * (halves[0][i][c] - halves[1][i][c]).powi(2) / inverses(&basis.samples, i);
-            }
-        }
-        let even = if by_chance > 0.0 { seen / by_chance } else { 1.0 };
-        let blend = |half: usize, i: usize| -> [f64; 3] {
-            let share = NEIGHBOURS / (NEIGHBOURS + basis.samples[2 * i + 1 - half] as f64);
-            std::array::from_fn(|c| even * (own(half, i)[c] + share * (around[i][c] - own(half, i)[c])))
-        };
-        [0, 1].map(|half| (0..count).map(|i| blend(half, i)).collect())
-    }
-
-    /// Weights for each half that go by its own variance of a sample, so that they are independent of the other half, whose residuals
-    /// they weigh: a weight that went by the noise of what it weighs would favour what is too dark by chance.
-    pub fn by_variance(&self, halves: &[Half], variances: &[Vec<[f64; 3]>; 2], samples: &[f32]) -> [Channels; 2] {
-        let mean: Vec<[f64; 3]> = halves[0].iter().zip(&halves[1]).map(|(a, b)| std::array::from_fn(|c| 0.5 * (a[c] + b[c]))).collect();
-        let mean = self.around(&mean, 2);
-        let floor = (0.01 * self.level).powi(2);
-        let photographed = self.samples(halves, variances);
-        let weights = |i: usize| -> [[f32; 3]; 2] {
-            let own = |half: usize| 0.5 / samples[2 * i + half] as f64;
-            let weights: [[f64; 3]; 2] = [0, 1].map(|half| {
-                let share = 1.0 / photographed + own(1 - half);
-                std::array::from_fn(|c| 1.0 / (variances[half][i][c] * share + (MISFIT * mean[i][c]).powi(2) + floor))
-            });
-            let rest = |c: usize, half: usize| self.target[i][c] as f64 - halves[half][i][c];
-            let off = (0..3).map(|c| 0.5 * (weights[0][c] + weights[1][c]) * rest(c, 0) * rest(c, 1)).sum::<f64>() / 3.0;
-            let limit = (OUTLIER * (1.0 + OWN * 0.25 * inverses(samples, i) * photographed)).powi(2);
-            weights.map(|weight| self.masked(i, weight.map(|w| w / (off / limit).max(1.0).sqrt())))
-        };
-        let both: Vec<[[f32; 3]; 2]> = (0..self.numbers.len()).map(weights).collect();
-        [0, 1].map(|half| both.iter().map(|w| w[half]).collect())
-    }
-
-    /// How many samples a pixel of the target seems to hold, from what is left of it: what a photograph lacks in noise it has in misfit.
-    fn samples(&self, halves: &[Half], variances: &[Vec<[f64; 3]>; 2]) -> f64 {
-        let weights = self.relative();
-        let (mut noise, mut rest) = (0.0, 0.0);
-        for (i, w) in weights.iter().enumerate() {
-            for c in 0..3 {
-                let t = self.target[i][c] as f64;
-                noise += w[c] as f64 * 0.5 * (variances[0][i][c] + variances[1][i][c]);
-                rest += w[c] as f64 * (t - halves[0][i][c]) * (t - halves[1][i][c]);
-            }
-        }
-        (noise / rest.max(f64::MIN_POSITIVE)).clamp(TARGET_SAMPLES.0, TARGET_SAMPLES.1)
-    }
-}
-
-/// How much a channel of a pixel counts in both halves together.
-pub fn weight(weights: &[Channels; 2], p: usize, c: usize) -> f64 {
-    0.5 * (weights[0][p][c] + weights[1][p][c]) as f64
-}
-
-/// How much the halves of a pixel differ by the samples that they have: the sum of one over each.
-fn inverses(samples: &[f32], pixel: usize) -> f64 {
-    1.0 / samples[2 * pixel] as f64 + 1.0 / samples[2 * pixel + 1] as f64
-}
-
-/// How many samples the neighbours of a pixel stand for where its variance is asked.
-const NEIGHBOURS: f64 = 40.0;
-/// Between how many samples a pixel of the target is taken to hold.
-const TARGET_SAMPLES: (f64, f64) = (4.0, 1000.0);
-/// How many standard errors a pixel may be off and count fully. Where few samples have missed what glints now and then, its variance is
-/// underrated; beyond this its pull does not grow (Huber 1964). Photographs that hold few samples a pixel are dark but for a few that are
-/// far too bright: a limit of 4 makes a diffuse surface seen so 14 % too dark, glass of ordinary noise 1 %.
-const OUTLIER: f64 = 10.0;
-/// How much further off it may be per unit of the rendering's variance in terms of the photograph's: what both halves missed is no outlier.
-const OWN: f64 = 1.0;
-/// The part of its value by which a picture may be off in many pixels at once: by its light, its shape, the formula of a lobe.
-pub const COMMON: f64 = 0.015;
-/// And the relative misfit of a perfect photograph.
-const MISFIT: f64 = 0.01;
 
 /// The pictures that each set of a basis makes of some coefficients, for each of them. A pixel is read once for all.
 pub fn pictures(basis: &Basis, coefficients: &[[Vec<f64>; 3]]) -> Vec<Vec<Half>> {
@@ -209,6 +45,9 @@ pub fn products(weights: &[Channels; 2], derivatives: &[Vec<Half>], rest: impl F
     (sums[..n].to_vec(), Symmetric::of(n, |i, j| sums[n + i * n + j]))
 }
 
+/// The part of its value by which a picture may be off in many pixels at once: by its light, its shape, the formula of a lobe.
+pub const COMMON: f64 = 0.015;
+
 /// What the pixels say about the values: the products of residuals and derivatives of independent halves, which have no bias from the noise
 /// of the rendering.
 ///
@@ -216,8 +55,8 @@ pub fn products(weights: &[Channels; 2], derivatives: &[Vec<Half>], rest: impl F
 /// (Reiersøl 1945; Hansen 1982): the derivative, shrunk by how far those of the two halves agree around the pixel (Wiener 1949).
 pub struct Scores<'a> {
     sheet: &'a Sheet<'a>,
-    /// How much its pixels count in each half.
-    pub weights: [Channels; 2],
+    /// How much its pixels count.
+    pub weights: Weights,
     /// What the model says there.
     pub place: Place,
     /// How far each derivative is to be trusted at each pixel.
@@ -234,16 +73,16 @@ pub struct Scores<'a> {
 
 impl<'a> Scores<'a> {
     /// The scores at a place, for parameters with these bounds.
-    pub fn new(sheet: &'a Sheet<'a>, weights: [Channels; 2], place: Place, bounds: &[(f64, f64)]) -> Self {
-        let derivatives = &place.derivatives;
-        let mut curvature = products(&weights, derivatives, |_, _| 0.0).1;
-        let trust = derivatives.par_iter().map(|d| trust(sheet, &weights, d)).collect();
+    pub fn new(sheet: &'a Sheet<'a>, weights: Weights, place: Place, bounds: &[(f64, f64)]) -> Self {
+        let (derivatives, free) = (&place.derivatives, weights.free());
+        let mut curvature = products(&free, derivatives, |_, _| 0.0).1;
+        let trust = derivatives.par_iter().map(|d| trust(sheet, &weights.halves, d)).collect();
         let prior = bounds.iter().map(|(low, high)| 12.0 / (high - low).powi(2).max(f64::MIN_POSITIVE)).collect();
         let n = derivatives.len();
         let unknown = Symmetric::diagonal(&vec![f64::INFINITY; n]);
         let (covariance, own) = (unknown.clone(), unknown);
         let mut scores = Self { sheet, weights, place, trust, inverse: None, prior, covariance, own };
-        let mut slopes = scores.slopes();
+        let mut slopes = scores.slopes(&free);
         for i in 0..n {
             slopes[i][i] += scores.prior[i];
             curvature.set(i, i, curvature.at(i, i) + scores.prior[i]);
@@ -257,9 +96,9 @@ impl<'a> Scores<'a> {
 
     /// For each pair of parameters, the sum over pixels and channels of weight × instrument of one half × what the other half has there, both
     /// ways.
-    fn slopes(&self) -> Vec<Vec<f64>> {
+    fn slopes(&self, weights: &[Channels; 2]) -> Vec<Vec<f64>> {
         let (d, n) = (&self.place.derivatives, self.place.derivatives.len());
-        let half = |i: usize, j: usize, p: usize, c: usize, h: usize| self.weights[h][p][c] as f64 * d[i][h][p][c] * d[j][1 - h][p][c];
+        let half = |i: usize, j: usize, p: usize, c: usize, h: usize| weights[h][p][c] as f64 * d[i][h][p][c] * d[j][1 - h][p][c];
         let both = |i: usize, j: usize, p: usize| 0.5 * (0..3).map(|c| half(i, j, p, c, 0) + half(i, j, p, c, 1)).sum::<f64>();
         let sums = total(self.pixels(), n * n, |p, sums| {
             sums.iter_mut().enumerate().for_each(|(k, sum)| *sum += self.trust[k / n][p] * both(k / n, k % n, p));
@@ -268,7 +107,7 @@ impl<'a> Scores<'a> {
     }
 
     fn pixels(&self) -> usize {
-        self.weights[0].len()
+        self.weights.halves[0].len()
     }
 
     fn residual(&self, p: usize, c: usize, half: usize) -> f64 {
@@ -279,7 +118,7 @@ impl<'a> Scores<'a> {
     fn score(&self, i: usize, p: usize) -> f64 {
         let d = &self.place.derivatives[i];
         let cross = |c: usize| {
-            let half = |h: usize| self.weights[h][p][c] as f64 * d[h][p][c] * self.residual(p, c, 1 - h);
+            let half = |h: usize| self.weights.halves[h][p][c] as f64 * d[h][p][c] * self.residual(p, c, 1 - h);
             0.5 * (half(0) + half(1))
         };
         self.trust[i][p] * (0..3).map(cross).sum::<f64>()
@@ -304,13 +143,25 @@ impl<'a> Scores<'a> {
 
     /// Weights under which no pixel by itself moves the values too far; `None` if none does. One that sees a lamp by the way in a few samples would
     /// outweigh thousands (bounded influence: Krasker and Welsch 1982).
-    pub fn bounded(&self, most: f64) -> Option<[Channels; 2]> {
+    pub fn bounded(&self, most: f64) -> Option<Weights> {
         let (inverse, errors) = (self.inverse.as_ref()?, self.covariance.deviations());
         let most = most.max(FEW / (self.pixels() as f64).sqrt());
         let pulls: Vec<f64> = (0..self.pixels()).into_par_iter().map(|p| length(&self.pull(inverse, p), &errors) / most).collect();
         let part = |pull: &f64| if *pull > SLACK { 1.0 / *pull as f32 } else { 1.0 };
         let lighter = |half: &Channels| half.iter().zip(&pulls).map(|(w, pull)| w.map(|w| w * part(pull))).collect();
-        pulls.iter().any(|pull| *pull > SLACK).then(|| self.weights.each_ref().map(lighter))
+        let held = self.weights.held.iter().zip(&pulls).map(|(held, pull)| *held || *pull > SLACK).collect();
+        pulls.iter().any(|pull| *pull > SLACK).then(|| Weights { halves: self.weights.halves.each_ref().map(lighter), held })
+    }
+
+    /// How much of the derivative by each parameter is not noise, from 0 to 1.
+    pub fn clarity(&self) -> Vec<f64> {
+        let clarity = |d: &Vec<Half>| {
+            let sums = total(self.pixels(), 2, |p, sums| {
+                agreement(&self.weights.halves, d, p).iter().zip(sums).for_each(|(part, sum)| *sum += part)
+            });
+            if sums[1] > 0.0 { (sums[0] / sums[1]).clamp(0.0, 1.0) } else { 0.0 }
+        };
+        self.place.derivatives.iter().map(clarity).collect()
     }
 
     /// The largest part of a step, in standard errors.
@@ -332,7 +183,8 @@ impl<'a> Scores<'a> {
 
     /// Covariances of the values: by all that makes the residuals, and by the noise of the rendering alone.
     ///
-    /// The sandwich form (White 1980), the scores summed per pixel over the channels, whose errors go together.
+    /// The sandwich form (White 1980), the scores summed per pixel over the channels, whose errors go together. What is held back has a score but
+    /// no slope (Huber 1981, section 3.2).
     fn covariances(&self, inverse: &[Vec<f64>]) -> (Symmetric, Symmetric) {
         let n = self.place.derivatives.len();
         let sums = total(self.pixels(), 2 * n * n, |p, sums| {
@@ -340,7 +192,7 @@ impl<'a> Scores<'a> {
             add_square(all, &self.pull(inverse, p));
             for half in 0..2 {
                 let noise = |c: usize| {
-                    0.5 * 0.5f64.sqrt() * (self.place.halves[0][p][c] - self.place.halves[1][p][c]) * self.weights[half][p][c] as f64
+                    0.5 * 0.5f64.sqrt() * (self.place.halves[0][p][c] - self.place.halves[1][p][c]) * self.weights.halves[half][p][c] as f64
                 };
                 let score = |i: usize| self.trust[i][p] * (0..3).map(|c| noise(c) * self.place.derivatives[i][half][p][c]).sum::<f64>();
                 add_square(own, &times(inverse, &(0..n).map(score).collect::<Vec<_>>()));
@@ -363,14 +215,14 @@ impl<'a> Scores<'a> {
     /// Those of a shape, of a measured light, of the formula of a lobe are not, and no number of pixels averages them out.
     pub fn common(&self) -> Symmetric {
         let value = |p: usize, c: usize| 0.5 * (self.place.halves[0][p][c] + self.place.halves[1][p][c]).abs();
-        let (squares, sizes) = self.moved(|p, c| COMMON * value(p, c) * weight(&self.weights, p, c));
+        let (squares, sizes) = self.moved(|p, c| COMMON * value(p, c) * weight(&self.weights.halves, p, c));
         let correlations = squares.correlations();
         Symmetric::of(sizes.len(), |i, j| if i == j { sizes[i].powi(2) } else { sizes[i] * sizes[j] * correlations.at(i, j) })
     }
 
     /// The covariance of the values that is to be expected of a picture whose noise is what the weights say.
     pub fn expected(&self) -> Symmetric {
-        let mut all = self.moved(|p, c| weight(&self.weights, p, c).sqrt()).0;
+        let mut all = self.moved(|p, c| weight(&self.weights.halves, p, c).sqrt()).0;
         if let Some(inverse) = &self.inverse {
             let known = |i: usize, j: usize| (0..self.prior.len()).map(|k| inverse[i][k] * inverse[j][k] * self.prior[k]).sum::<f64>();
             all = Symmetric::of(all.size(), |i, j| all.at(i, j) + known(i, j));
@@ -397,15 +249,21 @@ impl<'a> Scores<'a> {
     }
 }
 
+/// What the derivatives of two halves have in common at a pixel, and what there is of their mean: weighted squares.
+fn agreement(weights: &[Channels; 2], derivative: &[Half], p: usize) -> [f64; 2] {
+    let (mut common, mut whole) = (0.0, 0.0);
+    for c in 0..3 {
+        let (a, b, w) = (derivative[0][p][c], derivative[1][p][c], weight(weights, p, c));
+        common += w * a * b;
+        whole += w * 0.25 * (a + b) * (a + b);
+    }
+    [common, whole]
+}
+
 /// How far the derivatives of two halves agree around each pixel: 0 where they are noise, 1 where they are the same.
 fn trust(sheet: &Sheet, weights: &[Channels; 2], derivative: &[Half]) -> Vec<f64> {
     let sums = |p: usize| {
-        let (mut common, mut whole) = (0.0, 0.0);
-        for c in 0..3 {
-            let (a, b, w) = (derivative[0][p][c], derivative[1][p][c], weight(weights, p, c));
-            common += w * a * b;
-            whole += w * 0.25 * (a + b) * (a + b);
-        }
+        let [common, whole] = agreement(weights, derivative, p);
         [common, whole, 0.0]
     };
     let values: Vec<[f64; 3]> = (0..weights[0].len()).map(sums).collect();
@@ -421,7 +279,7 @@ pub fn influence(scores: &Scores, variances: &[Vec<[f64; 3]>; 2], wished: &[f64]
     let half = |half: usize, p: usize| -> f64 {
         let instrument = |j: usize, c: usize| scores.trust[j][p].sqrt() * scores.place.derivatives[j][half][p][c];
         let moved = |i: usize, c: usize| (0..n).map(|j| inverse[i][j] * instrument(j, c)).sum::<f64>() / wished[i];
-        let weight = |c: usize| scores.weights[half][p][c] as f64;
+        let weight = |c: usize| scores.weights.halves[half][p][c] as f64;
         let channel = |c: usize| variances[half][p][c] * weight(c).powi(2) * (0..n).map(|i| moved(i, c).powi(2)).sum::<f64>();
         (0..3).map(channel).sum::<f64>().sqrt()
     };

@@ -1,0 +1,188 @@
+//! How much each pixel can be trusted.
+
+use super::Evidence;
+use crate::transport::Basis;
+use rayon::prelude::*;
+
+/// Three numbers for each pixel that counts.
+pub type Channels = Vec<[f32; 3]>;
+/// The same of an estimate.
+pub type Half = Vec<[f64; 3]>;
+
+/// How much pixels count.
+pub struct Weights {
+    /// In each half.
+    pub halves: [Channels; 2],
+    /// Those that are held back pull no harder when they are farther off.
+    pub held: Vec<bool>,
+}
+
+impl Weights {
+    /// Weights of pixels none of which is held back.
+    pub fn new(halves: [Channels; 2]) -> Self {
+        let held = vec![false; halves[0].len()];
+        Self { halves, held }
+    }
+
+    /// The weights of those that are not held back.
+    pub fn free(&self) -> [Channels; 2] {
+        self.halves.each_ref().map(|half| half.iter().zip(&self.held).map(|(w, held)| if *held { [0.0; 3] } else { *w }).collect())
+    }
+}
+
+/// The pixels that count, where they lie, and what was photographed there.
+pub struct Sheet<'a> {
+    evidence: &'a Evidence<'a>,
+    /// Their numbers on the film.
+    pub numbers: &'a [usize],
+    /// The target's values there.
+    pub target: Channels,
+    /// The place in `numbers` of each pixel of the film.
+    places: Vec<u32>,
+    /// The mean of the target's values.
+    pub level: f64,
+}
+
+impl<'a> Sheet<'a> {
+    /// The sheet of some pixels.
+    pub fn new(evidence: &'a Evidence<'a>, numbers: &'a [usize]) -> Self {
+        let target: Channels = numbers.iter().map(|&n| evidence.target.pixels[n]).collect();
+        let level = target.iter().flatten().map(|&v| v as f64).sum::<f64>() / (3 * target.len()) as f64;
+        let mut places = vec![u32::MAX; evidence.film.width * evidence.film.height];
+        numbers.iter().enumerate().for_each(|(i, &n)| places[n] = i as u32);
+        Self { evidence, numbers, target, places, level }
+    }
+
+    /// Column and row of a pixel of the film.
+    pub fn place(&self, number: usize) -> (usize, usize) {
+        (number % self.evidence.film.width, number / self.evidence.film.width)
+    }
+
+    /// How much a pixel counts.
+    pub fn weight(&self, i: usize) -> f64 {
+        self.evidence.mask.map_or(1.0, |mask| mask[self.numbers[i]] as f64)
+    }
+
+    /// For each pixel, the mean of `values` over the pixels at most `reach` away that count.
+    fn blurred(&self, values: &[[f64; 3]], reach: isize) -> Vec<[f64; 3]> {
+        self.mean(values, reach, true)
+    }
+
+    /// The same without the pixel itself, unless it is alone.
+    pub fn around(&self, values: &[[f64; 3]], reach: isize) -> Vec<[f64; 3]> {
+        self.mean(values, reach, false)
+    }
+
+    fn mean(&self, values: &[[f64; 3]], reach: isize, itself: bool) -> Vec<[f64; 3]> {
+        let (width, height) = (self.evidence.film.width as isize, self.evidence.film.height as isize);
+        let mean = |&n: &usize| {
+            let (x, y) = (n as isize % width, n as isize / width);
+            let (mut sum, mut count) = ([0.0; 3], 0.0);
+            for v in (y - reach).max(0)..=(y + reach).min(height - 1) {
+                for u in (x - reach).max(0)..=(x + reach).min(width - 1) {
+                    let place = self.places[(v * width + u) as usize];
+                    if place != u32::MAX && (itself || (u, v) != (x, y)) {
+                        (0..3).for_each(|c| sum[c] += values[place as usize][c]);
+                        count += 1.0;
+                    }
+                }
+            }
+            if count > 0.0 { sum.map(|s| s / count) } else { values[self.places[n] as usize] }
+        };
+        self.numbers.par_iter().map(mean).collect()
+    }
+
+    fn masked(&self, i: usize, weight: [f64; 3]) -> [f32; 3] {
+        let counts = self.weight(i);
+        weight.map(|w| (w * counts) as f32)
+    }
+
+    /// Weights that make errors relative, from the target blurred: what a first look can go by.
+    pub fn relative(&self) -> Channels {
+        let target: Vec<[f64; 3]> = self.target.iter().map(|t| t.map(f64::from)).collect();
+        let floor = 0.1 * self.level;
+        self.blurred(&target, 2).into_iter().enumerate().map(|(i, t)| self.masked(i, t.map(|v| (v + floor).powi(-2)))).collect()
+    }
+
+    /// The variance of one sample of each pixel, as each half has it: by how the samples of that half differ, and by those of its neighbours, for
+    /// few samples may all have missed what glints now and then.
+    pub fn variances(&self, halves: &[Half], basis: &Basis) -> [Vec<[f64; 3]>; 2] {
+        let own = |half: usize, i: usize| basis.variances[2 * i + half].map(f64::from);
+        let count = self.numbers.len();
+        let mean: Vec<[f64; 3]> = (0..count).map(|i| std::array::from_fn(|c| 0.5 * (own(0, i)[c] + own(1, i)[c]))).collect();
+        let around = self.around(&mean, 1);
+        // Samples that fill a pixel evenly err less than chance would have it.
+        let (mut by_chance, mut seen) = (0.0, 0.0);
+        for (i, w) in self.relative().iter().enumerate() {
+            for c in 0..3 {
+                by_chance += w[c] as f64 * mean[i][c];
+                seen += w[c] as f64 * (halves[0][i][c] - halves[1][i][c]).powi(2) / inverses(&basis.samples, i);
+            }
+        }
+        let even = if by_chance > 0.0 { seen / by_chance } else { 1.0 };
+        let blend = |half: usize, i: usize| -> [f64; 3] {
+            let share = NEIGHBOURS / (NEIGHBOURS + basis.samples[2 * i + 1 - half] as f64);
+            std::array::from_fn(|c| even * (own(half, i)[c] + share * (around[i][c] - own(half, i)[c])))
+        };
+        [0, 1].map(|half| (0..count).map(|i| blend(half, i)).collect())
+    }
+
+    /// Weights for each half that go by its own variance of a sample, so that they are independent of the other half, whose residuals
+    /// they weigh: a weight that went by the noise of what it weighs would favour what is too dark by chance.
+    pub fn by_variance(&self, halves: &[Half], variances: &[Vec<[f64; 3]>; 2], samples: &[f32]) -> Weights {
+        let mean: Vec<[f64; 3]> = halves[0].iter().zip(&halves[1]).map(|(a, b)| std::array::from_fn(|c| 0.5 * (a[c] + b[c]))).collect();
+        let mean = self.around(&mean, 2);
+        let floor = (0.01 * self.level).powi(2);
+        let photographed = self.samples(halves, variances);
+        let weights = |i: usize| -> [[f32; 3]; 2] {
+            let own = |half: usize| 0.5 / samples[2 * i + half] as f64;
+            let weights: [[f64; 3]; 2] = [0, 1].map(|half| {
+                let share = 1.0 / photographed + own(1 - half);
+                std::array::from_fn(|c| 1.0 / (variances[half][i][c] * share + (MISFIT * mean[i][c]).powi(2) + floor))
+            });
+            let rest = |c: usize, half: usize| self.target[i][c] as f64 - halves[half][i][c];
+            let off = (0..3).map(|c| 0.5 * (weights[0][c] + weights[1][c]) * rest(c, 0) * rest(c, 1)).sum::<f64>() / 3.0;
+            let limit = (OUTLIER * (1.0 + OWN * 0.25 * inverses(samples, i) * photographed)).powi(2);
+            weights.map(|weight| self.masked(i, weight.map(|w| w / (off / limit).max(1.0).sqrt())))
+        };
+        let both: Vec<[[f32; 3]; 2]> = (0..self.numbers.len()).map(weights).collect();
+        Weights::new([0, 1].map(|half| both.iter().map(|w| w[half]).collect()))
+    }
+
+    /// How many samples a pixel of the target seems to hold, from what is left of it: what a photograph lacks in noise it has in misfit.
+    fn samples(&self, halves: &[Half], variances: &[Vec<[f64; 3]>; 2]) -> f64 {
+        let weights = self.relative();
+        let (mut noise, mut rest) = (0.0, 0.0);
+        for (i, w) in weights.iter().enumerate() {
+            for c in 0..3 {
+                let t = self.target[i][c] as f64;
+                noise += w[c] as f64 * 0.5 * (variances[0][i][c] + variances[1][i][c]);
+                rest += w[c] as f64 * (t - halves[0][i][c]) * (t - halves[1][i][c]);
+            }
+        }
+        (noise / rest.max(f64::MIN_POSITIVE)).clamp(TARGET_SAMPLES.0, TARGET_SAMPLES.1)
+    }
+}
+
+/// How much a channel of a pixel counts in both halves together.
+pub fn weight(weights: &[Channels; 2], p: usize, c: usize) -> f64 {
+    0.5 * (weights[0][p][c] + weights[1][p][c]) as f64
+}
+
+/// How much the halves of a pixel differ by the samples that they have: the sum of one over each.
+fn inverses(samples: &[f32], pixel: usize) -> f64 {
+    1.0 / samples[2 * pixel] as f64 + 1.0 / samples[2 * pixel + 1] as f64
+}
+
+/// How many samples the neighbours of a pixel stand for where its variance is asked.
+const NEIGHBOURS: f64 = 40.0;
+/// Between how many samples a pixel of the target is taken to hold.
+const TARGET_SAMPLES: (f64, f64) = (4.0, 1000.0);
+/// How many standard errors a pixel may be off and count fully. Where few samples have missed what glints now and then, its variance is
+/// underrated; beyond this its pull does not grow (Huber 1964). Photographs that hold few samples a pixel are dark but for a few that are
+/// far too bright: a limit of 4 makes a diffuse surface seen so 14 % too dark, glass of ordinary noise 1 %.
+const OUTLIER: f64 = 10.0;
+/// How much further off it may be per unit of the rendering's variance in terms of the photograph's: what both halves missed is no outlier.
+const OWN: f64 = 1.0;
+/// And the relative misfit of a perfect photograph.
+const MISFIT: f64 = 0.01;
