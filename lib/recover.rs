@@ -79,7 +79,7 @@ pub struct Recovery {
     pub chi2: f64,
     /// How many pixels count.
     pub pixels: usize,
-    /// How far each of them is off, relatively: for comparing one type of material with another; empty if that was not the wish.
+    /// How far each of them is off, relatively.
     pub losses: Vec<f64>,
 }
 
@@ -161,6 +161,11 @@ impl Recovery {
     /// The standard error of each value.
     pub fn errors(&self) -> Vec<f64> {
         self.covariance.deviations()
+    }
+
+    /// How far the pixels are off, relatively, on the average; none counts for more than one that is off by as much as it is bright.
+    fn loss(&self) -> f64 {
+        self.losses.iter().map(|loss| loss.clamp(-1.0, 1.0)).sum::<f64>() / self.losses.len() as f64
     }
 
     /// What is known of the errors of the values.

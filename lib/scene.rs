@@ -104,6 +104,14 @@ pub struct Chain {
     pub end: End,
 }
 
+impl Chain {
+    /// Whether its textures only smooth a surface, so that light passes straight through: RADIANCE takes that from the name that genrev and
+    /// gensurf give the modifier (measured with 6.0a: glass, trans and trans2 by the name of the surface's own modifier; dielectric bends).
+    pub fn smooths(&self) -> bool {
+        self.name == "Phong"
+    }
+}
+
 /// A pattern or texture.
 #[derive(Clone)]
 pub enum Link {

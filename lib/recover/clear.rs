@@ -192,8 +192,9 @@ pub fn recover(
         step /= NEARER;
     }
 
-    // Its bottom, by pixels. Each look that finds it farther on in the same direction is followed by one twice as far.
-    let mut stride = 0.0;
+    // Its bottom, by pixels. Each look that finds it farther on in the same direction is followed by one twice as far; one that went too far, by
+    // one just beside the lowest place so far.
+    let (mut lowest, mut stride): (Option<Recovery>, f64) = (None, 0.0);
     for look in 1.. {
         tell(&format!("look {look}: {:.4?}", best.values));
         let indices = match slot {
@@ -206,16 +207,28 @@ pub fn recover(
             &best.values,
             &mut seeds,
         );
-        if stage.holds(&found.values) || effort.late() || look == MOST_LOOKS {
-            return Ok(found);
+        let Some(i) = slot.filter(|_| !stage.holds(&found.values)) else { return Ok(found) };
+        let (here, next) = match lowest.take_if(|lowest| lowest.loss() <= found.loss()) {
+            Some(lower) => {
+                stride = 0.0;
+                let beside = lower.values[i];
+                (lower, beside)
+            }
+            None => {
+                let way = found.values[i] - best.values[i];
+                stride = if stride * way > 0.0 { 2.0 * stride } else { way };
+                (found, best.values[i] + stride)
+            }
+        };
+        best.values.clone_from(&here.values);
+        best.values[i] = next.clamp(low, high);
+        if effort.late() || look == MOST_LOOKS {
+            // It was not got hold of: the index may be anywhere.
+            let mut here = here;
+            here.covariance.set(i, i, (high - low).powi(2) / 12.0);
+            return Ok(here);
         }
-        let mut values = found.values;
-        if let Some(i) = slot {
-            let way = values[i] - best.values[i];
-            stride = if stride * way > 0.0 { 2.0 * stride } else { way };
-            values[i] = (best.values[i] + stride).clamp(low, high);
-        }
-        best = Point { values, chi2: found.chi2 };
+        lowest = Some(here);
     }
     unreachable!()
 }

@@ -170,7 +170,13 @@ impl Look<'_> {
         }
         let wished: Vec<f64> = self.parameters.iter().zip(&values).map(|(p, value)| self.effort.near(p, *value)).collect();
         let (influence, clarity) = (influence(&now, &variances, &wished), now.clarity());
-        let losses = if self.effort.quick { now.losses(&sheet.relative()) } else { vec![] };
+        let losses = now.losses(&sheet.relative());
+        // What moved as far as the model can be trusted would have moved on.
+        let ways: Vec<f64> = values.iter().zip(near).map(|(value, near)| value - near).collect();
+        let ahead = model.trusted(&values.iter().zip(&ways).map(|(value, way)| value + way).collect::<Vec<_>>());
+        for (i, way) in ways.iter().enumerate().filter(|(i, way)| **way != 0.0 && ahead[*i] == values[*i]) {
+            now.covariance.set(i, i, now.covariance.at(i, i) + way * way);
+        }
         let (common, misfit) = (now.common(), misfit(sheet, &now.weights.halves, &now.place.halves));
         let (chi2, pixels) = (now.chi2(), sheet.numbers.len());
         let found = Recovery { values, covariance: now.covariance, own: now.own, common, misfit, chi2, pixels, losses };

@@ -135,6 +135,10 @@ impl<'a> Sheet<'a> {
         let floor = (0.01 * self.level).powi(2);
         let photographed = self.samples(halves, variances);
         let weights = |i: usize| -> [[f32; 3]; 2] {
+            let [a, b] = [0, 1].map(|half: usize| variances[half][i].iter().sum::<f64>());
+            if a.max(b) > GLINT * a.min(b) {
+                return [[0.0; 3]; 2];
+            }
             let own = |half: usize| 0.5 / samples[2 * i + half] as f64;
             let weights: [[f64; 3]; 2] = [0, 1].map(|half| {
                 let share = 1.0 / photographed + own(1 - half);
@@ -184,5 +188,8 @@ const TARGET_SAMPLES: (f64, f64) = (4.0, 1000.0);
 const OUTLIER: f64 = 10.0;
 /// How much further off it may be per unit of the rendering's variance in terms of the photograph's: what both halves missed is no outlier.
 const OWN: f64 = 1.0;
+/// Where the variances of two halves have this ratio, one has caught a glint, of the sun perhaps, that the other and the photograph have missed:
+/// there is no saying how much such a pixel tells.
+const GLINT: f64 = 1e4;
 /// And the relative misfit of a perfect photograph.
 const MISFIT: f64 = 0.01;

@@ -117,7 +117,7 @@ impl World {
         }
         self.transparent |= chains.iter().any(|&c| self.passes(c));
         let smooth = matches!(&surface.form, Form::Mesh(mesh, _) if !mesh.normals.is_empty());
-        self.bends |= chains.iter().any(|&c| self.bends_passing(c, smooth));
+        self.bends |= chains.iter().any(|&c| !self.chains[c].smooths() && self.bends_passing(c, smooth));
         let ranks = chains.iter().map(|&c| self.rank(c)).collect();
         let (geometry, body) = match &surface.form {
             Form::Shape(shape) => (Geometry::Shape(shape.clone()), Body::Shape(shape.flat())),

@@ -368,7 +368,7 @@ impl Place<'_> {
             point.perturbation = perturbation * side;
             point.flat = false;
             // Light that is gathered by all of a hemisphere, or looked for, goes straight through a texture.
-            point.bends = !self.coming.ambient && self.coming.aim.is_none();
+            point.bends = !self.coming.ambient && self.coming.aim.is_none() && !self.world.chains[self.found.chain].smooths();
             if let Some(mut shading) = (geometric + point.perturbation).try_normalize() {
                 // A normal that is bent away from the viewer is turned back (semantics 3.2).
                 if shading.dot(to_viewer) <= 0.0 {
