@@ -130,11 +130,11 @@ impl Effort<'_> {
 }
 
 /// The standard error that satisfies when nothing is said: of a colour or a share, of an index of refraction, and of a roughness in terms
-/// of itself, down to the last: with that it errs as the paper did, by four fifths of it on the average.
+/// of itself, down to the last: what the paper reached.
 const NEAR: f64 = 0.0018;
 const NEAR_INDEX: f64 = 0.0003;
 const NEAR_ROUGHNESS: f64 = 0.016;
-const NEAREST_ROUGHNESS: f64 = 0.00025;
+const NEAREST_ROUGHNESS: f64 = 0.0002;
 
 /// Or what the picture allows: the part of a variance that the rendering may make.
 const OWN: f64 = 0.25;
