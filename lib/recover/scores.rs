@@ -230,12 +230,16 @@ impl<'a> Scores<'a> {
         all
     }
 
-    /// What errors of that weight in each pixel and channel do to the values: the sum of their products, and of their sizes.
+    /// What errors of that weight in each pixel and channel do to the values: the sum of their products, and of their sizes. What is held back
+    /// they do not move.
     fn moved(&self, error: impl Fn(usize, usize) -> f64 + Sync) -> (Symmetric, Vec<f64>) {
         let n = self.place.derivatives.len();
         let Some(inverse) = &self.inverse else { return (Symmetric::diagonal(&vec![f64::INFINITY; n]), vec![f64::INFINITY; n]) };
         let d = &self.place.derivatives;
         let sums = total(self.pixels(), n + n * n, |p, sums| {
+            if self.weights.held[p] {
+                return;
+            }
             let (sizes, squares) = sums.split_at_mut(n);
             for c in 0..3 {
                 let error = error(p, c);
