@@ -168,6 +168,18 @@ fn an_interrupted_writer_leaves_the_old_file_and_nothing_else() {
 }
 
 #[test]
+fn a_search_that_is_interrupted_twice_ends_at_once_and_leaves_nothing() {
+    let directory = directory();
+    let mut child = command(ANNEAL, directory.path(), &["--exec", "sleep 2; echo 1", "start.rad"]).spawn().unwrap();
+    for wait in [300, 500] {
+        sleep(Duration::from_millis(wait));
+        signal(&child, "INT");
+    }
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    assert_eq!(names(directory.path()), ["start.rad"]);
+}
+
+#[test]
 fn a_picture_that_is_interrupted_is_whole_with_fewer_samples() {
     let directory = directory();
     let words = ["-vp", "0", "-5", "0", "-x", "40", "-y", "40", "--spp", "4000000", "-o", "out.hdr", "start.rad"];

@@ -7,6 +7,7 @@
 use super::fit::Point;
 use super::look::{Look, Model};
 use super::model::{cubic, exposed};
+use super::scores::anywhere;
 use super::sheet::Sheet;
 use super::{Effort, Evidence, Recovery, Seeds};
 use crate::anneal::{Annealer, Options};
@@ -208,7 +209,7 @@ pub fn recover(
             &mut seeds,
         );
         let Some(i) = slot.filter(|_| !stage.holds(&found.values)) else { return Ok(found) };
-        let (here, next) = match lowest.take_if(|lowest| lowest.loss() <= found.loss()) {
+        let (mut here, next) = match lowest.take_if(|lowest| lowest.loss() <= found.loss()) {
             Some(lower) => {
                 stride = 0.0;
                 let beside = lower.values[i];
@@ -220,14 +221,13 @@ pub fn recover(
                 (found, best.values[i] + stride)
             }
         };
-        best.values.clone_from(&here.values);
-        best.values[i] = next.clamp(low, high);
         if effort.late() || look == MOST_LOOKS {
             // It was not got hold of: the index may be anywhere.
-            let mut here = here;
-            here.covariance.set(i, i, (high - low).powi(2) / 12.0);
+            here.covariance.set(i, i, anywhere((low, high)));
             return Ok(here);
         }
+        best.values.clone_from(&here.values);
+        best.values[i] = next.clamp(low, high);
         lowest = Some(here);
     }
     unreachable!()

@@ -170,7 +170,7 @@ impl Look<'_> {
         }
         let wished: Vec<f64> = self.parameters.iter().zip(&values).map(|(p, value)| self.effort.near(p, *value)).collect();
         let (influence, clarity) = (influence(&now, &variances, &wished), now.clarity());
-        let losses = now.losses(&sheet.relative());
+        let losses = now.losses(&sheet.relative);
         // What moved as far as the model can be trusted would have moved on.
         let ways: Vec<f64> = values.iter().zip(near).map(|(value, near)| value - near).collect();
         let ahead = model.trusted(&values.iter().zip(&ways).map(|(value, way)| value + way).collect::<Vec<_>>());

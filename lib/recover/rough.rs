@@ -195,7 +195,7 @@ pub fn recover(
     let proposals = geometric(u.0.min(v.0).max(2.0 * SMOOTHEST), u.1.max(v.1), FIRST_PROPOSALS).iter().map(|a| [a * a; 2]).collect();
     let stage = Stage::new(evidence, unknown, material, kind, [u, v].map(|(low, high)| geometric(low, high, nodes.0)), proposals);
     let basis = stage.trace(sheet.numbers, &vec![FIRST_SAMPLES; 2 * sheet.numbers.len()], seeds.next());
-    let gram = Gram::new(&basis, &sheet.target, &sheet.relative());
+    let gram = Gram::new(&basis, &sheet.target, &sheet.relative);
     let problem = Problem { gram: &gram, coefficients: &|v| stage.coefficients(v), bounds: &bounds };
     let mut best = search(&problem, &stage, effort.seed)?;
 

@@ -48,6 +48,11 @@ pub fn products(weights: &[Channels; 2], derivatives: &[Vec<Half>], rest: impl F
 /// The part of its value by which a picture may be off in many pixels at once: by its light, its shape, the formula of a lobe.
 pub const COMMON: f64 = 0.015;
 
+/// The variance of a value that may be anywhere between its bounds.
+pub fn anywhere((low, high): (f64, f64)) -> f64 {
+    (high - low).powi(2) / 12.0
+}
+
 /// What the pixels say about the values: the products of residuals and derivatives of independent halves, which have no bias from the noise
 /// of the rendering.
 ///
@@ -63,7 +68,7 @@ pub struct Scores<'a> {
     trust: Vec<Vec<f64>>,
     /// What takes scores to steps: nearly the inverse of the matrix that takes values to scores. `None` if the pixels do not determine the values.
     inverse: Option<Vec<Vec<f64>>>,
-    /// What is known before of each parameter: one over the variance of a value anywhere between its bounds.
+    /// What is known before of each parameter: one over [`anywhere`].
     prior: Vec<f64>,
     /// Covariance of the values, by all that makes the residuals.
     pub covariance: Symmetric,
@@ -77,7 +82,7 @@ impl<'a> Scores<'a> {
         let (derivatives, free) = (&place.derivatives, weights.free());
         let mut curvature = products(&free, derivatives, |_, _| 0.0).1;
         let trust = derivatives.par_iter().map(|d| trust(sheet, &weights.halves, d)).collect();
-        let prior = bounds.iter().map(|(low, high)| 12.0 / (high - low).powi(2).max(f64::MIN_POSITIVE)).collect();
+        let prior = bounds.iter().map(|b| anywhere(*b).max(f64::MIN_POSITIVE).recip()).collect();
         let n = derivatives.len();
         let unknown = Symmetric::diagonal(&vec![f64::INFINITY; n]);
         let (covariance, own) = (unknown.clone(), unknown);

@@ -41,6 +41,8 @@ pub struct Sheet<'a> {
     places: Vec<u32>,
     /// The mean of the target's values.
     pub level: f64,
+    /// Weights that make errors relative, from the target blurred: what a first look can go by.
+    pub relative: Channels,
 }
 
 impl<'a> Sheet<'a> {
@@ -50,7 +52,9 @@ impl<'a> Sheet<'a> {
         let level = target.iter().flatten().map(|&v| v as f64).sum::<f64>() / (3 * target.len()) as f64;
         let mut places = vec![u32::MAX; evidence.film.width * evidence.film.height];
         numbers.iter().enumerate().for_each(|(i, &n)| places[n] = i as u32);
-        Self { evidence, numbers, target, places, level }
+        let mut sheet = Self { evidence, numbers, target, places, level, relative: Vec::new() };
+        sheet.relative = sheet.relatively();
+        sheet
     }
 
     /// Column and row of a pixel of the film.
@@ -97,8 +101,7 @@ impl<'a> Sheet<'a> {
         weight.map(|w| (w * counts) as f32)
     }
 
-    /// Weights that make errors relative, from the target blurred: what a first look can go by.
-    pub fn relative(&self) -> Channels {
+    fn relatively(&self) -> Channels {
         let target: Vec<[f64; 3]> = self.target.iter().map(|t| t.map(f64::from)).collect();
         let floor = 0.1 * self.level;
         self.blurred(&target, 2).into_iter().enumerate().map(|(i, t)| self.masked(i, t.map(|v| (v + floor).powi(-2)))).collect()
@@ -113,7 +116,7 @@ impl<'a> Sheet<'a> {
         let around = self.around(&mean, 1);
         // Samples that fill a pixel evenly err less than chance would have it.
         let (mut by_chance, mut seen) = (0.0, 0.0);
-        for (i, w) in self.relative().iter().enumerate() {
+        for (i, w) in self.relative.iter().enumerate() {
             for c in 0..3 {
                 by_chance += w[c] as f64 * mean[i][c];
                 seen += w[c] as f64 * (halves[0][i][c] - halves[1][i][c]).powi(2) / inverses(&basis.samples, i);
@@ -155,9 +158,8 @@ impl<'a> Sheet<'a> {
 
     /// How many samples a pixel of the target seems to hold, from what is left of it: what a photograph lacks in noise it has in misfit.
     fn samples(&self, halves: &[Half], variances: &[Vec<[f64; 3]>; 2]) -> f64 {
-        let weights = self.relative();
         let (mut noise, mut rest) = (0.0, 0.0);
-        for (i, w) in weights.iter().enumerate() {
+        for (i, w) in self.relative.iter().enumerate() {
             for c in 0..3 {
                 let t = self.target[i][c] as f64;
                 noise += w[c] as f64 * 0.5 * (variances[0][i][c] + variances[1][i][c]);
@@ -191,5 +193,5 @@ const OWN: f64 = 1.0;
 /// Where the variances of two halves have this ratio, one has caught a glint, of the sun perhaps, that the other and the photograph have missed:
 /// there is no saying how much such a pixel tells.
 const GLINT: f64 = 1e4;
-/// And the relative misfit of a perfect photograph.
+/// The relative error that a pixel is taken to have besides its noise.
 const MISFIT: f64 = 0.01;
