@@ -62,6 +62,11 @@ impl Part {
     pub fn side(self) -> usize {
         self as usize % 2
     }
+
+    /// A local direction drawn from a diffuse part, in proportion to its cosine, whatever the surface hides.
+    pub fn lambert(self, u: [f64; 2]) -> Vec3 {
+        cosine_hemisphere(u) * [1.0, -1.0][self.side()]
+    }
 }
 
 /// Where a ray met a surface, as a material needs to know it.
@@ -468,8 +473,7 @@ impl Bsdf {
     /// A local direction drawn from one part; `None` if it falls where nothing is scattered.
     pub fn sample(&self, part: Part, u: [f64; 2]) -> Option<Vec3> {
         let wi = match part {
-            Part::DiffuseReflection => cosine_hemisphere(u),
-            Part::DiffuseTransmission => -cosine_hemisphere(u),
+            Part::DiffuseReflection | Part::DiffuseTransmission => part.lambert(u),
             Part::SpecularReflection => match self.lobes[0]? {
                 Lobe { form: Form::Power, alpha, .. } => sample_power(alpha, self.to_viewer, u),
                 Lobe { alpha, .. } => sample_reflection(alpha, self.to_viewer, u),

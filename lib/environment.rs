@@ -3,6 +3,7 @@
 //! The radiance itself is exact (a pattern on a source); only the density with which directions are drawn is tabulated.
 
 use crate::color::{Rgb, bright};
+use crate::panorama::Place;
 use crate::sampling::Steps;
 use crate::vector::Vec3;
 use rayon::prelude::*;
@@ -69,12 +70,10 @@ impl Environment {
         Some((Vec3::new(r * c, r * s, z), self.density(y, columns.probability(x))))
     }
 
-    /// The density of a direction, per solid angle.
-    pub fn pdf(&self, direction: Vec3) -> f64 {
-        let turn = direction.y.atan2(direction.x) / (2.0 * PI);
-        let x = ((turn - turn.floor()) * self.width as f64) as usize;
-        let y = (direction.z.clamp(-1.0, 1.0).acos() / PI * self.columns.len() as f64) as usize;
-        let y = y.min(self.columns.len() - 1);
+    /// The density of the direction at a place, per solid angle.
+    pub fn pdf(&self, place: Place) -> f64 {
+        let x = (place.turn * self.width as f64) as usize;
+        let y = ((place.way * self.columns.len() as f64) as usize).min(self.columns.len() - 1);
         self.columns[y].as_ref().map_or(0.0, |columns| self.density(y, columns.probability(x.min(self.width - 1))))
     }
 
@@ -101,11 +100,11 @@ mod tests {
                 let u = [(i as f64 + 0.5) / n as f64, (j as f64 + 0.5) / n as f64];
                 let (d, p) = environment.sample(u).unwrap();
                 assert!((d.length() - 1.0).abs() < 1e-12);
-                assert!((environment.pdf(d) / p - 1.0).abs() < 1e-6);
+                assert!((environment.pdf(Place::of(d)) / p - 1.0).abs() < 1e-6);
                 let z = 1.0 - 2.0 * u[0];
                 let (s, c) = (2.0 * PI * u[1]).sin_cos();
                 let r = (1.0 - z * z).sqrt();
-                total += environment.pdf(Vec3::new(r * c, r * s, z)) * 4.0 * PI / (n * n) as f64;
+                total += environment.pdf(Place::of(Vec3::new(r * c, r * s, z))) * 4.0 * PI / (n * n) as f64;
             }
         }
         assert!((total - 1.0).abs() < 0.02, "{total}");

@@ -7,6 +7,7 @@
 
 mod radiance;
 mod scatter;
+mod unhidden;
 
 pub use radiance::Radiance;
 
@@ -48,6 +49,10 @@ pub trait Transport {
     }
     /// The throughput of light that reaches one side of the surface from all directions alike, through the diffuse part.
     fn ambient(&self, beta: &Self::Beta, surface: &Self::Surface, side: usize) -> Self::Beta;
+    /// The same of light that reaches it straight from the environment.
+    fn unhidden(&self, beta: &Self::Beta, surface: &Self::Surface, side: usize) -> Self::Beta {
+        self.ambient(beta, surface, side)
+    }
     /// The throughput behind a direction that is scattered into alone.
     fn follow(&self, beta: &Self::Beta, surface: &Self::Surface, delta: &Delta) -> Self::Beta;
     /// Dims a throughput by `length` in a medium.

@@ -26,6 +26,7 @@
 //! | [`view`] | a RADIANCE view, and the rays through its picture | |
 //! | [`pattern`] | patterns, textures, mixtures at a hit | |
 //! | [`material`] | what a material is: its type and numbers | |
+//! | [`panorama`] | what a whole environment does to a surface | rayon, wide |
 //! | [`environment`] | where distant light comes from, and how to sample it | rayon |
 //! | [`metric`] | how far two pictures are apart: χ² (equation 11) and its kin | |
 //! | [`anneal`] | simulated annealing of a vector; knows no graphics | rand, serde |
@@ -67,6 +68,7 @@ pub mod inventory;
 pub mod light;
 pub mod material;
 pub mod metric;
+pub mod panorama;
 pub mod pattern;
 pub mod picture;
 pub mod rad;

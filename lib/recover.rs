@@ -122,6 +122,12 @@ impl Effort<'_> {
         parameters.iter().enumerate().map(lack).fold(1.0, f64::max)
     }
 
+    /// How many times as many pixels would, where their derivatives are known well.
+    fn lack_of_pixels(&self, parameters: &[Parameter], found: &Recovery) -> f64 {
+        let worst = self.worst(parameters, found);
+        found.covariance.at(worst, worst) / self.near(&parameters[worst], found.values[worst]).powi(2)
+    }
+
     /// The parameter that is farthest from it.
     fn worst(&self, parameters: &[Parameter], found: &Recovery) -> usize {
         let far = |i: usize| found.covariance.at(i, i).sqrt() / self.near(&parameters[i], found.values[i]);

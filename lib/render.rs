@@ -79,6 +79,15 @@ impl Film {
         Ok(Self { camera, width, height })
     }
 
+    /// Rays of about a thousand of the pixels, spread over all.
+    pub fn some_rays(&self) -> impl Iterator<Item = Ray> {
+        let (count, lens) = (self.width * self.height, self.lens());
+        (0..count).step_by((count / 1000).max(1) | 1).filter_map(move |number| {
+            let (origin, direction, _) = lens(number, [0.5; 2])?;
+            Some(Ray { origin, direction })
+        })
+    }
+
     /// What a lens of this diameter blurs, focused at the length of `-vd`.
     pub fn blur(&self, diameter: f64) -> Option<Blur> {
         let (axes, flat) = self.camera.axes();

@@ -7,14 +7,17 @@ mod build;
 mod clip;
 mod field;
 mod layers;
+mod open;
 
 pub use clip::Clip;
 pub use layers::{Coming, Emission, Emitter, Layer};
+pub use open::Open;
 
 use crate::accel::{Accel, Hit};
 use crate::environment::Environment;
 use crate::geometry::{Mesh, Ray};
 use crate::light::{Lamp, ToLamp};
+use crate::panorama::Place;
 use crate::scene::{Chain, ChainId, End, MaterialId, Named};
 use crate::transform::Transform;
 use crate::vector::Vec3;
@@ -33,6 +36,8 @@ pub struct World {
     environment: Option<Environment>,
     /// Environments that were measured at places: they are the sky then.
     probes: Option<Probes>,
+    /// What the view that it was surveyed for has of the environment, if that is much.
+    open: Option<Open>,
     transparent: bool,
     /// Whether there are surfaces that bend what passes them, but not what is aimed.
     bends: bool,
@@ -141,6 +146,12 @@ impl World {
     /// Whether there is any surface along a ray.
     pub fn occluded(&self, ray: &Ray) -> bool {
         self.accel.occluded(ray, self.epsilon(ray.origin), f64::INFINITY)
+    }
+
+    /// The middle of all surfaces.
+    fn middle(&self) -> Vec3 {
+        let bounds = self.accel.bounds();
+        if bounds.is_empty() { Vec3::ZERO } else { bounds.center() }
     }
 
     /// The distance within which a ray does not see the surface it starts from: RADIANCE's 1e-6 for scenes of 1e-3 to 1e3 in size, in
@@ -277,9 +288,14 @@ impl World {
 
     /// The density of [`World::sample_environment`].
     pub fn environment_pdf(&self, from: Vec3, direction: Vec3) -> f64 {
+        self.aimed(from, Place::of(direction))
+    }
+
+    /// The same of the direction at a place.
+    fn aimed(&self, from: Vec3, place: Place) -> f64 {
         match &self.probes {
-            Some(probes) => probes.pdf(from, direction),
-            None => self.environment.as_ref().map_or(0.0, |e| e.pdf(direction)),
+            Some(probes) => probes.pdf(from, place),
+            None => self.environment.as_ref().map_or(0.0, |e| e.pdf(place)),
         }
     }
 

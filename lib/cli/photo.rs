@@ -92,6 +92,7 @@ impl<'a> Photo<'a> {
         let material = material.ok_or_else(|| unknown.material().error("no surface of the scene is made of it"))?;
         let mut world = World::new(scene, &rules)?;
         world.unknown = Some(material);
+        world.survey(film.some_rays(), &rules);
         Ok(Self {
             read: disk.read(),
             unknown: unknown.clone(),
@@ -174,6 +175,7 @@ impl<'a> Photo<'a> {
         self.unknown = unknown;
         self.world = World::new(Scene::new(&self.flat, &self.disk, false)?, &self.rules)?;
         self.world.unknown = Some(self.material);
+        self.world.survey(self.film.some_rays(), &self.rules);
         Ok(())
     }
 }

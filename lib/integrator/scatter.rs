@@ -1,5 +1,6 @@
 //! How a path goes on from a surface: in single directions, by samples of its rough parts, aimed at lamps and at the environment.
 
+use super::unhidden::Unhidden;
 use super::{EXACT_ROULETTE, Integrator, Kind, MANY, PATIENCE, ROULETTE, Scattered, Scattering, Segment, Transport};
 use crate::bsdf::{Arriving, Bsdf, Delta, Part, lobe};
 use crate::color::Rgb;
@@ -54,10 +55,16 @@ impl<B: Clone> Integrator<'_, B> {
         }
         let ways = self.ways(transport, &mut at, &vertex);
         self.aim_at_lamps(transport, &mut at, &vertex, &ways.aims);
-        self.aim_at_environment(transport, &mut at, &vertex, &ways);
+        let mut unhidden = if at.exact { Unhidden::new(self.world, at.ray.origin, &ways.counts) } else { None };
+        self.aim_at_environment(transport, &mut at, &vertex, &ways, &mut unhidden);
         for part in Part::ALL {
             if ways.weights[part as usize] > 0.0 && ways.take(2 + part as usize) {
-                self.gather(transport, &mut at, &vertex, part, &ways);
+                self.gather(transport, &mut at, &vertex, part, &ways, &mut unhidden);
+            }
+        }
+        for side in 0..2 {
+            if let Some(missed) = unhidden.as_ref().and_then(|unhidden| unhidden.missed(vertex.surface.bsdf(), side)) {
+                transport.collect(&transport.unhidden(&at.beta, &vertex.surface, side), missed);
             }
         }
         for side in 0..2 {
@@ -140,6 +147,7 @@ impl<B: Clone> Integrator<'_, B> {
         vertex: &Vertex<T::Surface>,
         part: Part,
         ways: &Ways,
+        unhidden: &mut Option<Unhidden>,
     ) {
         let (k, surface) = (part as usize, &vertex.surface);
         let next = At { part, weight: self.factor(ways.weights[k], ways.share[2 + k]), layer: vertex.layer };
@@ -169,6 +177,9 @@ impl<B: Clone> Integrator<'_, B> {
             });
             if let Some(kept) = us.get_mut(way) {
                 *kept = u;
+            }
+            if let (true, Some(unhidden)) = (part.diffuse(), &mut *unhidden) {
+                unhidden.take(surface.bsdf(), part.lambert(u));
             }
             let Some(wi) = surface.sample(part, way, u) else { continue };
             from.direction = surface.bsdf().to_world(wi);
@@ -326,6 +337,7 @@ impl<B: Clone> Integrator<'_, B> {
         at: &mut Segment<B>,
         vertex: &Vertex<T::Surface>,
         ways: &Ways,
+        unhidden: &mut Option<Unhidden>,
     ) {
         if ways.aims == [0.0; 4] || !self.world.has_environment() {
             return;
@@ -333,6 +345,9 @@ impl<B: Clone> Integrator<'_, B> {
         let u = self.draw(at);
         let Some((direction, pdf)) = self.world.sample_environment(at.ray.origin, u) else { return };
         let wi = vertex.surface.bsdf().to_local(direction);
+        if let Some(unhidden) = unhidden {
+            unhidden.take(vertex.surface.bsdf(), wi);
+        }
         let beta = transport.aimed(&at.beta, &vertex.surface, wi, Arriving::Indirect, pdf, &ways.aims);
         self.shadow(transport, at, vertex.layer, beta, (direction, f64::INFINITY), Emitter::Environment);
     }

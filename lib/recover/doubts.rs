@@ -4,7 +4,7 @@
 //! picture that does not make it much less does not determine it. Nor does one that would, if its errors were independent from pixel to
 //! pixel, but not with a small error that many pixels have in common.
 
-use super::scores::COMMON;
+use super::sheet::COMMON;
 use crate::anneal::Parameter;
 use crate::anneal::linear::Symmetric;
 use crate::unknown::{EXPOSURES, Unknown};
@@ -43,7 +43,7 @@ pub enum Standing {
 }
 
 /// What is not determined has a standard error of at least this part of the one that bounds alone would give it.
-const UNDETERMINED: f64 = 0.25;
+const UNDETERMINED: f64 = 0.3;
 /// Values that are known only together are correlated at least so much.
 const TOGETHER: f64 = 0.9;
 /// Beyond this part of what bounds alone would say, they alone say it.

@@ -112,8 +112,9 @@ impl Look<'_> {
             }
             best.clone_from(&found.values);
             model.tune(&best, Some(&found.errors()));
-            let growth = (self.effort.lack(self.parameters, &found) - 1.0).max(GROWTH.0).min(most);
             let clear = clarity[self.effort.worst(self.parameters, &found)] >= CLEAR;
+            let lack = if count < all && clear { Effort::lack_of_pixels } else { Effort::lack };
+            let growth = (lack(self.effort, self.parameters, &found) - 1.0).max(GROWTH.0).min(most);
             if count == all {
                 before.push(found);
             }

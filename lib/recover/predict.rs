@@ -3,8 +3,8 @@
 use super::doubts::Known;
 use super::look::Model;
 use super::model::Kind;
-use super::scores::{COMMON, Place, Scores};
-use super::sheet::{Channels, Sheet, Weights};
+use super::scores::{Place, Scores};
+use super::sheet::{COMMON, Channels, Sheet, Weights};
 use super::{Evidence, clear, rough, supported};
 use crate::anneal::linear::Symmetric;
 use crate::error::Result;

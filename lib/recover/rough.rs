@@ -34,8 +34,9 @@ const ALIKE: f64 = 1.05;
 /// How much of a standard error one pixel may make: one that sees a lamp by the way would else outweigh thousands.
 const PULLS: [f64; 2] = [0.3, 0.1];
 
-/// Samples of a pixel in the first round: with half as many of each in twice the pixels, errors are larger; with 64, rounds take longer.
-const LEAST: f64 = 48.0;
+/// Samples of a pixel in the first round, of what is sharp and of what is not: with half as many of each in twice the pixels, errors are larger;
+/// with a third more, rounds take longer.
+const LEAST: [f64; 2] = [48.0, 32.0];
 
 /// Looks before the search gives up to keep the answer inside the nodes.
 const MOST_LOOKS: usize = 10;
@@ -48,7 +49,8 @@ const KNOWN: f64 = 0.1;
 /// By which factor a roughness may move from where directions are drawn: farther off few of them tell of it, and their noise passes for signal.
 const REACH: f64 = 2.0;
 
-/// A roughness below which one more direction is worth its cost: at .01 it makes errors three times smaller, at .12 no smaller.
+/// A roughness below which one more direction is worth its cost: at .01 it makes errors three times smaller, at .12 no smaller. Derivatives by
+/// such a roughness are mostly noise.
 const SHARP: f64 = 0.04;
 
 impl Kind {
@@ -80,6 +82,11 @@ impl<'a> Stage<'a> {
         Self { evidence, unknown, kind, grid, what: transport::Unknown::Rough(Box::new(rough)), middle, guess: None }
     }
 
+    /// Whether the roughness is small.
+    fn sharp(&self) -> bool {
+        self.middle[0].max(self.middle[1]) < SHARP
+    }
+
     /// The axes whose roughness is unknown, and its place among the parameters.
     fn axes(&self) -> impl Iterator<Item = (usize, usize)> {
         let count = if self.kind.anisotropic { 2 } else { 1 };
@@ -106,10 +113,11 @@ impl Model for Stage<'_> {
         let middle = roughness(self.kind, &a);
         self.middle = middle;
         let known = self.axes().all(|(axis, slot)| errors.is_some_and(|e| e[slot] < KNOWN * middle[axis]));
+        let sharp = self.sharp();
         let factors: &[f64] = if known { &NARROW } else { &WIDE };
         let transport::Unknown::Rough(rough) = &mut self.what else { unreachable!() };
         rough.propose(factors.iter().map(|f| middle.map(|m| (f * m).powi(2))).collect());
-        rough.control = middle[0].max(middle[1]) < SHARP;
+        rough.control = sharp;
         rough.guess = Some(parts(self.kind, &a).map(Rgb::from));
         self.guess = Some(self.coefficients(values));
     }
@@ -139,7 +147,7 @@ impl Model for Stage<'_> {
     }
 
     fn least(&self) -> f64 {
-        LEAST
+        LEAST[!self.sharp() as usize]
     }
 
     fn holds(&self, values: &[f64]) -> bool {

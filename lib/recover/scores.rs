@@ -1,6 +1,6 @@
 //! How much the values can be trusted that were fitted to the pixels, and which way these pull.
 
-use super::sheet::{Channels, Half, Sheet, Weights, weight};
+use super::sheet::{COMMON, Channels, Half, Sheet, Weights, weight};
 use crate::anneal::linear::Symmetric;
 use crate::transport::{Basis, Mixture};
 use rayon::prelude::*;
@@ -44,9 +44,6 @@ pub fn products(weights: &[Channels; 2], derivatives: &[Vec<Half>], rest: impl F
     });
     (sums[..n].to_vec(), Symmetric::of(n, |i, j| sums[n + i * n + j]))
 }
-
-/// The part of its value by which a picture may be off in many pixels at once: by its light, its shape, the formula of a lobe.
-pub const COMMON: f64 = 0.015;
 
 /// The variance of a value that may be anywhere between its bounds.
 pub fn anywhere((low, high): (f64, f64)) -> f64 {

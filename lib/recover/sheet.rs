@@ -145,7 +145,7 @@ impl<'a> Sheet<'a> {
             let own = |half: usize| 0.5 / samples[2 * i + half] as f64;
             let weights: [[f64; 3]; 2] = [0, 1].map(|half| {
                 let share = 1.0 / photographed + own(1 - half);
-                std::array::from_fn(|c| 1.0 / (variances[half][i][c] * share + (MISFIT * mean[i][c]).powi(2) + floor))
+                std::array::from_fn(|c| 1.0 / (variances[half][i][c] * share + (COMMON * mean[i][c]).powi(2) + floor))
             });
             let rest = |c: usize, half: usize| self.target[i][c] as f64 - halves[half][i][c];
             let off = (0..3).map(|c| 0.5 * (weights[0][c] + weights[1][c]) * rest(c, 0) * rest(c, 1)).sum::<f64>() / 3.0;
@@ -193,5 +193,5 @@ const OWN: f64 = 1.0;
 /// Where the variances of two halves have this ratio, one has caught a glint, of the sun perhaps, that the other and the photograph have missed:
 /// there is no saying how much such a pixel tells.
 const GLINT: f64 = 1e4;
-/// The relative error that a pixel is taken to have besides its noise.
-const MISFIT: f64 = 0.01;
+/// The part of its value by which a pixel may be off besides its noise, and many at once: by the light, the shape, the formula of a lobe.
+pub const COMMON: f64 = 0.015;

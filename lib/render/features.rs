@@ -141,6 +141,10 @@ impl Transport for Watch<'_> {
         Beta { color: self.colors.ambient(&beta.color, surface, side), scattered: u32::MAX, first: false }
     }
 
+    fn unhidden(&self, beta: &Beta, surface: &Bsdf, side: usize) -> Beta {
+        self.scattered(beta, self.colors.ambient(&beta.color, surface, side))
+    }
+
     fn follow(&self, beta: &Beta, surface: &Bsdf, delta: &Delta) -> Beta {
         Beta { color: self.colors.follow(&beta.color, surface, delta), ..*beta }
     }

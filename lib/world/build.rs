@@ -17,7 +17,7 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 /// The rows of the table of an environment.
-const ENVIRONMENT_ROWS: usize = 256;
+pub(super) const ENVIRONMENT_ROWS: usize = 256;
 
 /// The most lamps, those seen in mirrors included.
 const LAMP_LIMIT: usize = 100_000;
@@ -47,6 +47,7 @@ impl World {
             lamps: Vec::new(),
             environment: None,
             probes: None,
+            open: None,
             transparent: !rules.back_visible,
             bends: false,
             gathers: Vec::new(),
@@ -96,7 +97,7 @@ impl World {
         if !bounds.is_empty() {
             world.scale = if bounds.size() < 1e-3 { bounds.size() / 1e-3 } else { (bounds.size() / 1e3).max(1.0) };
         }
-        let middle = if bounds.is_empty() { Vec3::ZERO } else { bounds.center() };
+        let middle = world.middle();
         world.probes = Probes::new(&world, &probes, rules.field, ENVIRONMENT_ROWS);
         if world.probes.is_some() {
             world.make_room(probes[0].1);

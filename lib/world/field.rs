@@ -4,7 +4,9 @@
 //! 1/distance². Directions are drawn from the tables of the same probes with the same weights, so that a field costs what one environment does.
 
 use super::{Emission, World};
+use crate::color::Rgb;
 use crate::environment::Environment;
+use crate::panorama::{Panorama, Place};
 use crate::rules::Field;
 use crate::scene::ChainId;
 use crate::vector::Vec3;
@@ -12,7 +14,9 @@ use crate::vector::Vec3;
 /// The measured environments.
 pub(super) struct Probes {
     probes: Vec<Probe>,
-    /// The density with which directions are drawn, for each glow that probes name.
+    /// The glows that probes name, each with the first place that names it.
+    glows: Vec<(Vec3, ChainId)>,
+    /// The density with which directions are drawn, for each of them.
     tables: Vec<Option<Environment>>,
     field: Field,
 }
@@ -21,7 +25,7 @@ pub(super) struct Probes {
 struct Probe {
     place: Vec3,
     chain: ChainId,
-    /// The place of its glow's table.
+    /// The place of its glow among all.
     table: usize,
 }
 
@@ -30,6 +34,16 @@ type Share<'a> = (&'a Probe, f64);
 
 /// The fewest rows of the table of a probe.
 const FEWEST_ROWS: usize = 64;
+
+/// The rows of each of `count` tables that have together as many cells as one of `rows` rows.
+fn shared(rows: usize, count: usize) -> usize {
+    ((rows as f64 / (count.max(1) as f64).sqrt()) as usize).max(FEWEST_ROWS)
+}
+
+/// The radiance of a glow, seen from its place.
+fn shine(world: &World, &(place, chain): &(Vec3, ChainId), direction: Vec3) -> Rgb {
+    world.emitted(chain, None, place, direction).map_or(Rgb::ZERO, |emission| emission.radiance)
+}
 
 impl Probes {
     /// The probes of a world, with tables that have together as many cells as one of `rows` rows; `None` if there are none.
@@ -43,10 +57,21 @@ impl Probes {
             }
             probes.push(Probe { place, chain, table });
         }
-        let rows = ((rows as f64 / (glows.len().max(1) as f64).sqrt()) as usize).max(FEWEST_ROWS);
-        let radiance = |chain, place, direction| world.emitted(chain, None, place, direction).map_or_else(Default::default, |e| e.radiance);
-        let tables = glows.iter().map(|&(place, chain)| Environment::new(rows, |d| radiance(chain, place, d))).collect();
-        (!probes.is_empty()).then_some(Self { probes, tables, field })
+        let rows = shared(rows, glows.len());
+        let tables = glows.iter().map(|glow| Environment::new(rows, |direction| shine(world, glow, direction))).collect();
+        (!probes.is_empty()).then_some(Self { probes, glows, tables, field })
+    }
+
+    /// The panoramas of the glows, with as many cells together as one of `rows` rows.
+    pub(super) fn panoramas(&self, world: &World, rows: usize) -> Vec<Panorama> {
+        let rows = shared(rows, self.glows.len());
+        self.glows.iter().map(|glow| Panorama::new(rows, |direction| shine(world, glow, direction))).collect()
+    }
+
+    /// The mean of a number of each environment of a point, given by the place of its glow.
+    pub(super) fn mean(&self, point: Vec3, of: impl Fn(usize) -> Rgb) -> Rgb {
+        let ((probe, share), other) = self.near(point);
+        of(probe.table) * share + other.map_or(Rgb::ZERO, |(other, rest)| of(other.table) * rest)
     }
 
     /// Which probes light a point, and their shares, which add up to 1.
@@ -94,12 +119,12 @@ impl Probes {
             None => (probe.table, u),
         };
         let (direction, _) = self.tables[table].as_ref()?.sample([u.min(1.0 - f64::EPSILON), v])?;
-        Some((direction, self.pdf(point, direction)))
+        Some((direction, self.pdf(point, Place::of(direction))))
     }
 
     /// The density of [`Probes::sample`].
-    pub(super) fn pdf(&self, point: Vec3, direction: Vec3) -> f64 {
-        let of = |(probe, share): Share| self.tables[probe.table].as_ref().map_or(0.0, |t| share * t.pdf(direction));
+    pub(super) fn pdf(&self, point: Vec3, place: Place) -> f64 {
+        let of = |(probe, share): Share| self.tables[probe.table].as_ref().map_or(0.0, |t| share * t.pdf(place));
         let (first, other) = self.near(point);
         of(first) + other.map_or(0.0, of)
     }

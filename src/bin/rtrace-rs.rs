@@ -104,7 +104,8 @@ fn picture(args: &Arguments, rules: &Rules, disk: &Disk, start: Instant, console
     let size = (film.width, film.height);
     let budget = args.accuracy.budget()?;
     let aovs = options.aov.as_ref().map(|words| film::aovs(&words[0])).transpose()?;
-    let world = world(args, rules, disk, console)?;
+    let mut world = world(args, rules, disk, console)?;
+    world.survey(film.some_rays(), rules);
 
     let stop = interrupted();
     let task = Task {

@@ -1,0 +1,44 @@
+//! The light of the environment on a diffuse surface, as if nothing hid it: known by itself, and as the directions taken there find it.
+
+use crate::bsdf::Bsdf;
+use crate::color::Rgb;
+use crate::vector::Vec3;
+use crate::world::{Open, World};
+use std::f64::consts::PI;
+
+/// The environment by itself, at a point.
+pub(super) struct Unhidden<'a> {
+    world: &'a World,
+    open: &'a Open,
+    from: Vec3,
+    /// The expected number of samples of the diffuse part on each side.
+    counts: [f64; 2],
+    /// What they, and those aimed at the environment, find: irradiance over π.
+    found: [Rgb; 2],
+}
+
+impl<'a> Unhidden<'a> {
+    /// That of a point where so many samples of each part are expected; `None` where it does not pay.
+    pub fn new(world: &'a World, from: Vec3, counts: &[f64; 4]) -> Option<Self> {
+        let counts = [counts[0], counts[1]];
+        let open = world.open().filter(|_| counts != [0.0; 2])?;
+        Some(Self { world, open, from, counts, found: [Rgb::ZERO; 2] })
+    }
+
+    /// Takes in a local direction, aimed at the environment or drawn from a diffuse part: by the balance heuristic.
+    pub fn take(&mut self, bsdf: &Bsdf, wi: Vec3) {
+        let (side, lambert) = ((wi.z < 0.0) as usize, wi.z.abs() / PI);
+        if self.counts[side] > 0.0 {
+            let (radiance, aimed) = self.world.unhidden(self.open, self.from, bsdf.to_world(wi));
+            self.found[side] += radiance * (lambert / (aimed + self.counts[side] * lambert));
+        }
+    }
+
+    /// What the directions that were taken left out of the irradiance over π on one side, or had too much of it. It vanishes on the average
+    /// (a control variate); the less is hidden, the more of what they miss of the light that arrives is this.
+    pub fn missed(&self, bsdf: &Bsdf, side: usize) -> Option<Rgb> {
+        let normal = Vec3::new(0.0, 0.0, [1.0, -1.0][side]);
+        let whole = || self.world.irradiance(self.open, self.from, bsdf.to_world(normal));
+        (self.counts[side] > 0.0).then(|| (whole() - self.found[side]) * self.open.share)
+    }
+}
