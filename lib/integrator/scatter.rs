@@ -55,7 +55,7 @@ impl<B: Clone> Integrator<'_, B> {
         }
         let ways = self.ways(transport, &mut at, &vertex);
         self.aim_at_lamps(transport, &mut at, &vertex, &ways.aims);
-        let mut unhidden = if at.exact { Unhidden::new(self.world, at.ray.origin, &ways.counts) } else { None };
+        let mut unhidden = if at.exact { Unhidden::new(self.world, at.ray.origin, &ways.weights, &ways.counts) } else { None };
         self.aim_at_environment(transport, &mut at, &vertex, &ways, &mut unhidden);
         for part in Part::ALL {
             if ways.weights[part as usize] > 0.0 && ways.take(2 + part as usize) {

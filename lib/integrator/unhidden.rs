@@ -17,12 +17,21 @@ pub(super) struct Unhidden<'a> {
     found: [Rgb; 2],
 }
 
+/// The part of what a surface gathers that must be diffuse.
+const LEAST: f64 = 0.25;
+
 impl<'a> Unhidden<'a> {
-    /// That of a point where so many samples of each part are expected; `None` where it does not pay.
-    pub fn new(world: &'a World, from: Vec3, counts: &[f64; 4]) -> Option<Self> {
-        let counts = [counts[0], counts[1]];
-        let open = world.open().filter(|_| counts != [0.0; 2])?;
-        Some(Self { world, open, from, counts, found: [Rgb::ZERO; 2] })
+    /// That of a point where each part gathers so much by so many samples; `None` where it does not pay.
+    pub fn new(world: &'a World, from: Vec3, weights: &[f64; 4], counts: &[f64; 4]) -> Option<Self> {
+        let open = world.open()?;
+        let (counts, diffuse) = ([counts[0], counts[1]], weights[0] + weights[1]);
+        (counts != [0.0; 2] && diffuse > LEAST * weights.iter().sum::<f64>()).then_some(Self {
+            world,
+            open,
+            from,
+            counts,
+            found: [Rgb::ZERO; 2],
+        })
     }
 
     /// Takes in a local direction, aimed at the environment or drawn from a diffuse part: by the balance heuristic.
