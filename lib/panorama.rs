@@ -126,11 +126,13 @@ impl Table {
         let last = if first == 0.0 { rows } else { rows - 1 };
         let angle = |step: usize| (PI * (step as f64 + first) / rows as f64).sin_cos();
         let turns: Vec<(f64, f64)> = (0..width).map(angle).collect();
-        let row = |y: usize| {
+        let mut nodes = vec![[0.0; 3]; (last + 1) * width];
+        nodes.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
             let (sin, cos) = angle(y);
-            turns.iter().map(move |(s, c)| Vec3::new(sin * c, sin * s, cos))
-        };
-        let nodes = (0..=last).into_par_iter().flat_map_iter(|y| row(y).map(|d| value(d).to_array().map(|v| v as f32))).collect();
+            for (node, (s, c)) in row.iter_mut().zip(&turns) {
+                *node = value(Vec3::new(sin * c, sin * s, cos)).to_array().map(|v| v as f32);
+            }
+        });
         Self { width, first, nodes }
     }
 

@@ -81,6 +81,8 @@ pub struct Recovery {
     pub pixels: usize,
     /// How far each of them is off, relatively.
     pub losses: Vec<f64>,
+    /// How much of the derivative by each value is not noise, from 0 to 1.
+    pub clarity: Vec<f64>,
 }
 
 impl Effort<'_> {
@@ -169,9 +171,12 @@ impl Recovery {
         self.covariance.deviations()
     }
 
-    /// How far the pixels are off, relatively, on the average; none counts for more than one that is off by as much as it is bright.
-    fn loss(&self) -> f64 {
-        self.losses.iter().map(|loss| loss.clamp(-1.0, 1.0)).sum::<f64>() / self.losses.len() as f64
+    /// By how many standard errors the pixels that both have seen, which come in the same order, are farther off than in another. None counts for
+    /// more than one that is off by as much as it is bright.
+    fn excess(&self, other: &Self) -> f64 {
+        let off = |loss: &f64| loss.clamp(-1.0, 1.0);
+        let pairs = || self.losses.iter().zip(&other.losses).map(|(a, b)| off(a) - off(b));
+        pairs().sum::<f64>() / pairs().map(|d| d * d).sum::<f64>().sqrt().max(f64::MIN_POSITIVE)
     }
 
     /// What is known of the errors of the values.

@@ -113,6 +113,6 @@ impl Kept {
     /// What was found, and how.
     pub fn found(self) -> (Recovery, Vec<Moment>) {
         let Self { values, covariance, own, common, misfit, chi2, pixels, rounds, .. } = self;
-        (Recovery { values, covariance, own, common, misfit, chi2, pixels, losses: vec![] }, rounds)
+        (Recovery { values, covariance, own, common, misfit, chi2, pixels, losses: vec![], clarity: vec![] }, rounds)
     }
 }

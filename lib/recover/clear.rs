@@ -209,7 +209,7 @@ pub fn recover(
             &mut seeds,
         );
         let Some(i) = slot.filter(|_| !stage.holds(&found.values)) else { return Ok(found) };
-        let (mut here, next) = match lowest.take_if(|lowest| lowest.loss() <= found.loss()) {
+        let (mut here, next) = match lowest.take_if(|lowest| lowest.excess(&found) <= 0.0) {
             Some(lower) => {
                 stride = 0.0;
                 let beside = lower.values[i];

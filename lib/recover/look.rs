@@ -61,8 +61,6 @@ struct Fit {
     found: Recovery,
     /// How much the error of a sample in each pixel disturbs the values.
     influence: Vec<f64>,
-    /// How much of the derivative by each of them is not noise.
-    clarity: Vec<f64>,
 }
 
 /// What is looked at, and with what in mind.
@@ -97,7 +95,7 @@ impl Look<'_> {
         let mut before = Vec::new();
         for round in 1.. {
             let sheet = Sheet::new(self.evidence, &pixels[..count as usize]);
-            let Fit { found, influence, clarity } = self.fit(&sheet, model, &basis, &best);
+            let Fit { found, influence } = self.fit(&sheet, model, &basis, &best);
             (self.effort.told)(&found);
             let strayed = !model.holds(&found.values);
             let budget = if self.effort.tolerance.is_none() { BUDGET / each / count } else { f64::INFINITY };
@@ -112,7 +110,7 @@ impl Look<'_> {
             }
             best.clone_from(&found.values);
             model.tune(&best, Some(&found.errors()));
-            let clear = clarity[self.effort.worst(self.parameters, &found)] >= CLEAR;
+            let clear = found.clarity[self.effort.worst(self.parameters, &found)] >= CLEAR;
             let lack = if count < all && clear { Effort::lack_of_pixels } else { Effort::lack };
             let growth = (lack(self.effort, self.parameters, &found) - 1.0).max(GROWTH.0).min(most);
             if count == all {
@@ -180,8 +178,8 @@ impl Look<'_> {
         }
         let (common, misfit) = (now.common(), misfit(sheet, &now.weights.halves, &now.place.halves));
         let (chi2, pixels) = (now.chi2(), sheet.numbers.len());
-        let found = Recovery { values, covariance: now.covariance, own: now.own, common, misfit, chi2, pixels, losses };
-        Fit { found, influence, clarity }
+        let found = Recovery { values, covariance: now.covariance, own: now.own, common, misfit, chi2, pixels, losses, clarity };
+        Fit { found, influence }
     }
 
     /// Where the scores ask values to move, as far as the model can be trusted, and how far that is in standard errors.

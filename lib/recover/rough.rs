@@ -25,6 +25,12 @@ const FIRST_PIXELS: usize = 640;
 const FIRST_SAMPLES: u32 = 16;
 const FIRST_PROPOSALS: usize = 5;
 
+/// What of the derivative by a roughness must not be noise for it to be trusted; and samples of a first look that knows that it may err.
+const DOUBTFUL: f64 = 0.2;
+const SECOND_SAMPLES: u32 = 128;
+/// By how many standard errors one of two places must be better to be the right one.
+const SURE: f64 = 2.0;
+
 /// Evaluations of the annealing.
 const STEPS: usize = 2000;
 
@@ -189,7 +195,6 @@ pub fn recover(
     let mut seeds = Seeds::new(effort.seed);
 
     // A first look at all roughnesses, by some of the pixels.
-    tell("first look");
     let mut some = scattered(pixels, evidence.film.width);
     some.truncate(FIRST_PIXELS);
     let sheet = Sheet::new(evidence, &some);
@@ -200,24 +205,41 @@ pub fn recover(
         (low.max(SMOOTHEST), high.max(SMOOTHEST * 1.5).max(low * 1.01))
     };
     let [u, v] = [range(0), range(1)];
-    let proposals = geometric(u.0.min(v.0).max(2.0 * SMOOTHEST), u.1.max(v.1), FIRST_PROPOSALS).iter().map(|a| [a * a; 2]).collect();
-    let stage = Stage::new(evidence, unknown, material, kind, [u, v].map(|(low, high)| geometric(low, high, nodes.0)), proposals);
-    let basis = stage.trace(sheet.numbers, &vec![FIRST_SAMPLES; 2 * sheet.numbers.len()], seeds.next());
-    let gram = Gram::new(&basis, &sheet.target, &sheet.relative);
-    let problem = Problem { gram: &gram, coefficients: &|v| stage.coefficients(v), bounds: &bounds };
-    let mut best = search(&problem, &stage, effort.seed)?;
+    let first = |samples: u32, seed: u64| {
+        tell("first look");
+        let proposals = geometric(u.0.min(v.0).max(2.0 * SMOOTHEST), u.1.max(v.1), FIRST_PROPOSALS).iter().map(|a| [a * a; 2]).collect();
+        let stage = Stage::new(evidence, unknown, material, kind, [u, v].map(|(low, high)| geometric(low, high, nodes.0)), proposals);
+        let basis = stage.trace(sheet.numbers, &vec![samples; 2 * sheet.numbers.len()], seed);
+        let gram = Gram::new(&basis, &sheet.target, &sheet.relative);
+        search(&Problem { gram: &gram, coefficients: &|v| stage.coefficients(v), bounds: &bounds }, &stage, effort.seed)
+    };
+    let mut best = first(FIRST_SAMPLES, seeds.next())?;
 
-    // Closer looks, each around the answer of the one before, until it stays well inside.
+    // Closer looks, each around the answer of the one before, until it stays well inside. Where the roughness hardly tells there, a second first
+    // look with more samples may know a better place.
+    let mut doubtful: Option<Recovery> = None;
     for look in 1.. {
         tell(&format!("look {look}: {best:.4?}"));
         let grid = roughness(kind, &unknown.reals(&best)).map(|middle| around(middle, nodes));
         let mut stage = Stage::new(evidence, unknown, material, kind, grid, vec![]);
         let found =
             Look { evidence, pixels, parameters: unknown.parameters(), bounds: &bounds, effort: &effort }.at(&mut stage, &best, &mut seeds);
-        if stage.holds(&found.values) || look == MOST_LOOKS || effort.late() {
-            return Ok(found);
+        let last = look == MOST_LOOKS || effort.late();
+        if !last && !stage.holds(&found.values) {
+            best = found.values;
+        } else if !last && doubtful.is_none() && stage.axes().any(|(_, slot)| found.clarity[slot] < DOUBTFUL) {
+            best = first(SECOND_SAMPLES, seeds.next())?;
+            doubtful = Some(found);
+        } else {
+            let Some(before) = doubtful else { return Ok(found) };
+            let excess = before.excess(&found);
+            let (mut better, other) = if excess > 0.0 { (found, before) } else { (before, found) };
+            // Where the picture does not tell which, it may be either.
+            for (_, slot) in stage.axes().filter(|_| excess.abs() < SURE) {
+                better.covariance.set(slot, slot, better.covariance.at(slot, slot) + (better.values[slot] - other.values[slot]).powi(2));
+            }
+            return Ok(better);
         }
-        best = found.values;
     }
     unreachable!()
 }

@@ -236,6 +236,7 @@ mod tests {
                 chi2: 0.0,
                 pixels: 64,
                 losses,
+                clarity: vec![1.0],
             },
         )
     }
