@@ -90,9 +90,7 @@ impl<'a> Photo<'a> {
         scene.warnings.iter().for_each(|w| console.warn(w));
         let material = scene.material(sought);
         let material = material.ok_or_else(|| unknown.material().error("no surface of the scene is made of it"))?;
-        let mut world = World::new(scene, &rules)?;
-        world.unknown = Some(material);
-        world.survey(film.some_rays(), &rules);
+        let world = surveyed(scene, &rules, material, &film)?;
         Ok(Self {
             read: disk.read(),
             unknown: unknown.clone(),
@@ -173,11 +171,17 @@ impl<'a> Photo<'a> {
     pub fn take_for(&mut self, unknown: Unknown) -> Result<()> {
         self.flat.primitives[self.place].clone_from(unknown.material());
         self.unknown = unknown;
-        self.world = World::new(Scene::new(&self.flat, &self.disk, false)?, &self.rules)?;
-        self.world.unknown = Some(self.material);
-        self.world.survey(self.film.some_rays(), &self.rules);
+        self.world = surveyed(Scene::new(&self.flat, &self.disk, false)?, &self.rules, self.material, &self.film)?;
         Ok(())
     }
+}
+
+/// The world of a scene with an unknown material, ready for the picture of a film.
+fn surveyed(scene: Scene, rules: &Rules, unknown: MaterialId, film: &Film) -> Result<World> {
+    let mut world = World::new(scene, rules)?;
+    world.unknown = Some(unknown);
+    world.survey(film.some_rays(), rules);
+    Ok(world)
 }
 
 /// What a lamp that is added is called, and its width in degrees.

@@ -10,7 +10,6 @@ use crate::color::{Rgb, bright};
 use crate::geometry::Ray;
 use crate::panorama::{Panorama, Place};
 use crate::rules::Rules;
-use crate::sampling::cosine_hemisphere;
 use crate::vector::Vec3;
 
 /// What a view has of the environment.
@@ -44,12 +43,12 @@ impl World {
         let (mut reached, mut all) = (0.0, 0.0);
         for (i, ray) in rays.enumerate() {
             let Some(hit) = self.nearest(&ray, f64::INFINITY) else { continue };
-            let to = cosine_hemisphere(LATTICE.map(|step| (i as f64 * step).fract()));
+            let u = LATTICE.map(|step| (i as f64 * step).fract());
             let coming = Coming { ray: &ray, travelled: 0.0, aim: None, primary: true, gathered: false, ambient: false, clip: None };
             self.layers(&hit, &coming, rules, &mut |layer| {
                 let bsdf = layer.bsdf(rules);
-                for (part, to) in [(Part::DiffuseReflection, to), (Part::DiffuseTransmission, -to)] {
-                    let onward = Ray { origin: hit.point, direction: bsdf.to_world(to) };
+                for part in [Part::DiffuseReflection, Part::DiffuseTransmission] {
+                    let onward = Ray { origin: hit.point, direction: bsdf.to_world(part.lambert(u)) };
                     let light = bsdf.weights()[part as usize] * layer.fraction * bright(self.glow(hit.point, onward.direction));
                     if light > 0.0 {
                         all += light;
