@@ -1,8 +1,9 @@
 //! Recovery of dielectric and glass: an index of refraction and a transmissivity.
 //!
-//! The index bends all paths, and the picture changes with it as a kaleidoscope does: pixel by pixel the right index is a needle that no descent
-//! finds. The means of blocks of pixels fall toward it from afar. So first their logarithms are compared at indices all over the range, then
-//! around the best; at last the pixels themselves say the rest (`look`).
+//! The index bends all paths, and the picture changes with it as a kaleidoscope does: where pixels are compared by squares, the right index is
+//! a needle that no descent finds. Their logarithms fall toward it from afar; the colours, which pixels that are dark by chance would spoil, come
+//! from the means of blocks of pixels. So indices all over the range are tried first, then nearer and nearer ones around the best; at last
+//! the pixels themselves say the rest (`look`).
 
 use super::fit::Point;
 use super::look::{Look, Model};
@@ -17,22 +18,29 @@ use crate::scene::MaterialId;
 use crate::transport::{self, Basis, Clear, Pixels};
 use crate::unknown::Unknown;
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 
 /// The smallest index that is looked at: less bends light no further.
 const LEAST_INDEX: f64 = 0.2;
 /// The index of glass that does not say its own (semantics 3.7).
 const GLASS_INDEX: f64 = 1.52;
 
-/// Width of the blocks of pixels, look by look, and samples in each half of a pixel: more where pixels are few, so that there are at least
-/// so many times as many in all.
-const BLOCKS: [(usize, u32); 3] = [(8, 1), (8, 2), (1, 3)];
+/// Samples in each half of a pixel, search by search: more where pixels are few, so that there are at least so many times as many in all.
+const SAMPLES: [u32; 3] = [1, 2, 3];
 const ENOUGH: u32 = 2000;
+/// Width of a block, in pixels.
+const BLOCK: usize = 8;
 /// A quarter of the pixels is sampled, unless that leaves fewer than this.
 const FEW: usize = 1000;
-/// Distance of the indices of the first look, and how much nearer those of the next stand.
+/// Distance of the indices of the first search, and how much nearer those of the next stand.
 const FIRST: f64 = 0.1;
 const NEARER: f64 = 4.0;
-/// Evaluations of the annealing at each look.
+/// How many indices on either side of the best tell where between them it is.
+const BESIDE: usize = 3;
+/// In terms of their distance, how near to the last index tried the best is followed beyond it; and how many times.
+const MARGIN: f64 = 1.5;
+const MOST_SHIFTS: usize = 6;
+/// Evaluations of the annealing at each index.
 const STEPS: usize = 300;
 
 /// The least that roulette takes a transmissivity for.
@@ -160,35 +168,46 @@ pub fn recover(
     let bounds: Vec<(f64, f64)> =
         parameters.iter().enumerate().map(|(i, p)| if Some(i) == slot { (low, high) } else { (p.low, p.high) }).collect();
 
-    // The valley, by blocks of pixels.
+    // The valley.
     let mut best = Point { values: start, chi2: f64::INFINITY };
     let (mut from, mut to, mut step) = (low, high, FIRST);
-    for (width, samples) in BLOCKS {
-        let blocks = Blocks::new(&sheet, width);
+    let sampled = quarter(&sheet);
+    let numbers: Vec<usize> = sampled.iter().map(|&i| pixels[i]).collect();
+    let free: Vec<usize> = (0..parameters.len()).filter(|&p| Some(p) != slot).collect();
+    let mut searches = SAMPLES.into_iter().peekable();
+    let mut shifts = 0;
+    while let Some(&samples) = searches.peek() {
         let count = ((to - from) / step).round().max(1.0) as usize;
         let indices: Vec<f64> = (0..=count).map(|i| from + (to - from) * i as f64 / count as f64).collect();
         tell(&format!("indices {:.3} to {:.3}", from, to));
-        let sampled: Vec<usize> = blocks.sample();
-        let numbers: Vec<usize> = sampled.iter().map(|&i| pixels[i]).collect();
         let samples = (samples * ENOUGH).div_ceil(numbers.len() as u32).max(samples);
-        // The logarithms of pixels that are dark by chance would spoil the colours; those of blocks do not.
-        let free: Vec<usize> = (0..parameters.len()).filter(|&p| Some(p) != slot && width > 1).collect();
         let tried = if slot.is_some() { &indices[..] } else { &indices[..1] };
-        let tried: Vec<(f64, u64)> = tried.iter().map(|&index| (index, seeds.next())).collect();
-        let fit = |&(index, seed): &(f64, u64)| {
+        // What is left to chance is the same for all.
+        let seed = seeds.next();
+        let fit = |&index: &f64| {
             let stage = Stage::new(evidence, unknown, material, vec![index]);
             let basis = stage.trace(&numbers, &vec![samples; 2 * numbers.len()], seed);
             let mut values = best.values.clone();
             slot.into_iter().for_each(|i| values[i] = index);
-            blocks.fit(&stage, &basis, &sampled, values, &free, effort.seed)
+            let means = |width| Means::new(&stage, &sheet, &sampled, &basis, width);
+            let values = means(BLOCK).fit(values, &free, effort.seed)?;
+            Ok(Point { chi2: means(1).misfit(&values), values })
         };
         let found = tried.par_iter().map(fit).collect::<Result<Vec<Point>>>()?;
-        let Some(lowest) = found.iter().min_by(|a, b| a.chi2.total_cmp(&b.chi2)) else { continue };
-        best = lowest.clone();
+        let misfits: Vec<f64> = found.iter().map(|point| point.chi2).collect();
+        let lowest = lowest(&misfits);
+        best = found[lowest].clone();
         let Some(i) = slot else { break };
-        if step < FIRST {
-            best.values[i] = meeting(&indices, &found.iter().map(|point| point.chi2).collect::<Vec<_>>());
+        let near = lowest.saturating_sub(BESIDE)..(lowest + BESIDE + 1).min(indices.len());
+        best.values[i] = meeting(&indices[near.clone()], &misfits[near]);
+        let beyond = |bound: f64, end: f64| end != bound && (best.values[i] - end).abs() < MARGIN * step;
+        if shifts < MOST_SHIFTS && (beyond(low, from) || beyond(high, to)) {
+            shifts += 1;
+            let half = 0.5 * (to - from);
+            (from, to) = ((best.values[i] - half).max(low), (best.values[i] + half).min(high));
+            continue;
         }
+        searches.next();
         (from, to) = ((best.values[i] - step).max(low), (best.values[i] + step).min(high));
         step /= NEARER;
     }
@@ -209,7 +228,7 @@ pub fn recover(
             &mut seeds,
         );
         let Some(i) = slot.filter(|_| !stage.holds(&found.values)) else { return Ok(found) };
-        let (mut here, next) = match lowest.take_if(|lowest| lowest.excess(&found) <= 0.0) {
+        let (mut here, next) = match lowest.take_if(|lowest| found.excess(lowest) > SURE) {
             Some(lower) => {
                 stride = 0.0;
                 let beside = lower.values[i];
@@ -253,77 +272,83 @@ fn meeting(indices: &[f64], misfits: &[f64]) -> f64 {
     places.max_by(|a, b| explained(*a).total_cmp(&explained(*b))).unwrap_or(first)
 }
 
+/// The place of the lowest of some numbers, each taken together with those beside it.
+fn lowest(numbers: &[f64]) -> usize {
+    let beside = |i: usize, way: isize| numbers.get(i.wrapping_add_signed(way)).unwrap_or(&numbers[i]);
+    let mean = |i: usize| beside(i, -1) + 2.0 * numbers[i] + beside(i, 1);
+    (0..numbers.len()).min_by(|&a, &b| mean(a).total_cmp(&mean(b))).unwrap_or(0)
+}
+
 /// How finely that is told.
 const PLACES: usize = 256;
+
+/// By how many standard errors a look must find the pixels farther off than another to have gone too far.
+const SURE: f64 = 1.0;
 
 /// Looks before the search gives up to keep the answer inside the indices.
 const MOST_LOOKS: usize = 8;
 
-/// Means of square blocks of pixels.
-struct Blocks<'a> {
-    sheet: &'a Sheet<'a>,
-    /// The block of each pixel.
-    of: Vec<usize>,
-    count: usize,
+/// The places in a sheet of a quarter of its pixels, or of all.
+fn quarter(sheet: &Sheet) -> Vec<usize> {
+    let counts = |i: &usize| {
+        let (x, y) = sheet.place(sheet.numbers[*i]);
+        x % 2 == 0 && y % 2 == 0
+    };
+    let some: Vec<usize> = (0..sheet.numbers.len()).filter(counts).collect();
+    if some.len() < FEW { (0..sheet.numbers.len()).collect() } else { some }
 }
 
-impl<'a> Blocks<'a> {
-    fn new(sheet: &'a Sheet<'a>, width: usize) -> Self {
-        let place = |&n: &usize| {
-            let (x, y) = sheet.place(n);
-            ((y / width) << 32) | (x / width)
-        };
-        let mut names: Vec<usize> = sheet.numbers.iter().map(place).collect();
-        names.sort_unstable();
-        names.dedup();
-        let of = sheet.numbers.iter().map(|n| names.binary_search(&place(n)).unwrap_or(0)).collect();
-        Self { sheet, of, count: names.len() }
-    }
+/// Means over square blocks of pixels: of the picture, and of what a model says.
+struct Means<'a> {
+    stage: &'a Stage<'a>,
+    /// Block by block: the weight, the sums of the picture's channels, and those of the columns of each channel.
+    blocks: Vec<(f64, [f64; 3], Vec<f64>)>,
+    /// What is added to both sides of a comparison.
+    floor: f64,
+}
 
-    /// A quarter of the pixels, or all.
-    fn sample(&self) -> Vec<usize> {
-        let counts = |i: &usize| {
-            let (x, y) = self.sheet.place(self.sheet.numbers[*i]);
-            x % 2 == 0 && y % 2 == 0
-        };
-        let some: Vec<usize> = (0..self.sheet.numbers.len()).filter(counts).collect();
-        if some.len() < FEW { (0..self.sheet.numbers.len()).collect() } else { some }
-    }
-
-    /// The values of the `free` parameters that bring the logarithms of the blocks nearest, the others being as in `values`, and how near.
-    fn fit(&self, stage: &Stage, basis: &Basis, sampled: &[usize], values: Vec<f64>, free: &[usize], seed: u64) -> Result<Point> {
-        let columns = basis.columns;
-        let mut sums = vec![vec![0.0; 3 * columns]; self.count];
-        let mut target = vec![([0.0; 3], 0.0); self.count];
-        for (place, &pixel) in sampled.iter().enumerate() {
-            let block = self.of[pixel];
-            let weight = self.sheet.weight(pixel);
-            for (sum, (a, b)) in sums[block].iter_mut().zip(basis.pixel(place, 0).iter().zip(basis.pixel(place, 1))) {
+impl<'a> Means<'a> {
+    /// Means of the pixels at some places of a sheet, which a basis holds in this order.
+    fn new(stage: &'a Stage<'a>, sheet: &Sheet, places: &[usize], basis: &Basis, width: usize) -> Self {
+        let mut blocks = BTreeMap::new();
+        for (n, &i) in places.iter().enumerate() {
+            let (x, y) = sheet.place(sheet.numbers[i]);
+            let empty = || (0.0, [0.0; 3], vec![0.0; 3 * basis.columns]);
+            let (whole, target, sums) = blocks.entry((y / width, x / width)).or_insert_with(empty);
+            let weight = sheet.weight(i);
+            for (sum, (a, b)) in sums.iter_mut().zip(basis.pixel(n, 0).iter().zip(basis.pixel(n, 1))) {
                 *sum += weight * 0.5 * (a + b) as f64;
             }
-            (0..3).for_each(|c| target[block].0[c] += weight * self.sheet.target[pixel][c] as f64);
-            target[block].1 += weight;
+            (0..3).for_each(|c| target[c] += weight * sheet.target[i][c] as f64);
+            *whole += weight;
         }
-        let floor = 0.02 * self.sheet.level;
-        let misfit = |values: &[f64]| -> f64 {
-            let x = stage.columns(values);
-            let block = |(sums, (target, weight)): (&Vec<f64>, &([f64; 3], f64))| {
-                let channel = |c: usize| {
-                    let model: f64 = x[c].iter().zip(&sums[c * columns..]).map(|(x, s)| x * s).sum();
-                    ((target[c] + weight * floor) / (model.max(0.0) + weight * floor)).ln().powi(2)
-                };
-                weight * (0..3).map(channel).sum::<f64>()
+        Self { stage, blocks: blocks.into_values().filter(|block| block.0 > 0.0).collect(), floor: 0.02 * sheet.level }
+    }
+
+    /// How far the logarithms of the means are off: the sum of squares.
+    fn misfit(&self, values: &[f64]) -> f64 {
+        let x = self.stage.columns(values);
+        let block = |(weight, target, sums): &(f64, [f64; 3], Vec<f64>)| {
+            let floor = weight * self.floor;
+            let channel = |(x, (target, sums)): (&Vec<f64>, (&f64, &[f64]))| {
+                let model: f64 = x.iter().zip(sums).map(|(x, s)| x * s).sum();
+                ((target + floor) / (model.max(0.0) + floor)).ln().powi(2)
             };
-            sums.iter().zip(&target).filter(|(_, t)| t.1 > 0.0).map(block).sum()
+            weight * x.iter().zip(target.iter().zip(sums.chunks(sums.len() / 3))).map(channel).sum::<f64>()
         };
+        self.blocks.iter().map(block).sum()
+    }
+
+    /// The values of the `free` parameters that bring the means nearest, the others being as in `values`.
+    fn fit(&self, values: Vec<f64>, free: &[usize], seed: u64) -> Result<Vec<f64>> {
+        if free.is_empty() {
+            return Ok(values);
+        }
         let whole = |part: &[f64]| {
             let mut values = values.clone();
             free.iter().zip(part).for_each(|(&i, &v)| values[i] = v);
             values
         };
-        if free.is_empty() {
-            return Ok(Point { chi2: misfit(&values), values });
-        }
         let options = Options {
             seed,
             steps: STEPS,
@@ -333,14 +358,12 @@ impl<'a> Blocks<'a> {
             tolerance: None,
             residuals: None,
         };
-        let mut annealer = Annealer::new(free.iter().map(|&i| stage.unknown.parameters()[i].clone()).collect(), options)?;
+        let mut annealer = Annealer::new(free.iter().map(|&i| self.stage.unknown.parameters()[i].clone()).collect(), options)?;
         while let Some(part) = annealer.propose() {
-            let chi2 = misfit(&whole(part));
+            let chi2 = self.misfit(&whole(part));
             annealer.tell(chi2);
         }
-        let best = annealer.best().map_or_else(Vec::new, |b| b.values);
-        let values = whole(&best);
-        Ok(Point { chi2: misfit(&values), values })
+        Ok(whole(&annealer.best().map_or_else(Vec::new, |b| b.values)))
     }
 }
 

@@ -61,6 +61,8 @@ struct Fit {
     found: Recovery,
     /// How much the error of a sample in each pixel disturbs the values.
     influence: Vec<f64>,
+    /// Where the pixels that were held back would move the values, and the covariance of that, where there is more than chance in it.
+    withheld: Option<(Vec<f64>, Symmetric)>,
 }
 
 /// What is looked at, and with what in mind.
@@ -95,7 +97,7 @@ impl Look<'_> {
         let mut before = Vec::new();
         for round in 1.. {
             let sheet = Sheet::new(self.evidence, &pixels[..count as usize]);
-            let Fit { found, influence } = self.fit(&sheet, model, &basis, &best);
+            let Fit { found, influence, withheld } = self.fit(&sheet, model, &basis, &best);
             (self.effort.told)(&found);
             let strayed = !model.holds(&found.values);
             let budget = if self.effort.tolerance.is_none() { BUDGET / each / count } else { f64::INFINITY };
@@ -106,7 +108,7 @@ impl Look<'_> {
             let most = GROWTH.1.min(budget - 1.0).min(time);
             let contents = self.effort.contents(self.parameters, &found, &before);
             if strayed || contents || round == ROUNDS || self.effort.quick || most < GROWTH.0 {
-                return found;
+                return if let (false, Some(withheld)) = (strayed, withheld) { self.moved(found, &withheld, model) } else { found };
             }
             best.clone_from(&found.values);
             model.tune(&best, Some(&found.errors()));
@@ -177,9 +179,18 @@ impl Look<'_> {
             now.covariance.set(i, i, now.covariance.at(i, i) + way * way);
         }
         let (common, misfit) = (now.common(), misfit(sheet, &now.weights.halves, &now.place.halves));
+        let withheld = now.withheld();
         let (chi2, pixels) = (now.chi2(), sheet.numbers.len());
         let found = Recovery { values, covariance: now.covariance, own: now.own, common, misfit, chi2, pixels, losses, clarity };
-        Fit { found, influence }
+        Fit { found, influence, withheld }
+    }
+
+    /// What was found, with what the pixels that were held back say of it.
+    fn moved(&self, mut found: Recovery, (way, covariance): &(Vec<f64>, Symmetric), model: &dyn Model) -> Recovery {
+        let asked: Vec<f64> = found.values.iter().zip(way).zip(self.bounds).map(|((v, w), b)| (v + w).clamp(b.0, b.1)).collect();
+        found.values = model.trusted(&asked);
+        found.covariance = Symmetric::of(way.len(), |i, j| found.covariance.at(i, j) + covariance.at(i, j));
+        found
     }
 
     /// Where the scores ask values to move, as far as the model can be trusted, and how far that is in standard errors.

@@ -151,8 +151,28 @@ impl<'a> Scores<'a> {
         let pulls: Vec<f64> = (0..self.pixels()).into_par_iter().map(|p| length(&self.pull(inverse, p), &errors) / most).collect();
         let part = |pull: &f64| if *pull > SLACK { 1.0 / *pull as f32 } else { 1.0 };
         let lighter = |half: &Channels| half.iter().zip(&pulls).map(|(w, pull)| w.map(|w| w * part(pull))).collect();
-        let held = self.weights.held.iter().zip(&pulls).map(|(held, pull)| *held || *pull > SLACK).collect();
-        pulls.iter().any(|pull| *pull > SLACK).then(|| Weights { halves: self.weights.halves.each_ref().map(lighter), held })
+        let kept = self.weights.kept.iter().zip(&pulls).map(|(kept, pull)| kept * part(pull)).collect();
+        pulls.iter().any(|pull| *pull > SLACK).then(|| Weights { halves: self.weights.halves.each_ref().map(lighter), kept })
+    }
+
+    /// Where the pixels that are held back would move the values, and how sure that is; `None` where it may be chance.
+    ///
+    /// Noise that is as often too bright as too dark leaves nothing there. But a photograph whose few samples seldom find a small lamp is too dark
+    /// in most pixels, and far too bright in some: these lead astray on the way, and are a part of the mean in the end.
+    pub fn withheld(&self) -> Option<(Vec<f64>, Symmetric)> {
+        let (inverse, n) = (self.inverse.as_ref()?, self.prior.len());
+        let sums = total(self.pixels(), n + n * n, |p, sums| {
+            let more = 1.0 / self.weights.kept[p] as f64 - 1.0;
+            if more > 0.0 {
+                let (moved, squares) = sums.split_at_mut(n);
+                let pull: Vec<f64> = self.pull(inverse, p).iter().map(|pull| pull * more).collect();
+                moved.iter_mut().zip(&pull).for_each(|(sum, pull)| *sum += pull);
+                add_square(squares, &pull);
+            }
+        });
+        let (way, covariance) = (sums[..n].to_vec(), Symmetric::of(n, |i, j| sums[n + i * n + j]));
+        let sure = |i: usize| way[i].powi(2) > SKEWED * covariance.at(i, i) && way[i].powi(2) > self.covariance.at(i, i);
+        (0..n).any(sure).then_some((way, covariance))
     }
 
     /// How much of the derivative by each parameter is not noise, from 0 to 1.
@@ -239,7 +259,7 @@ impl<'a> Scores<'a> {
         let Some(inverse) = &self.inverse else { return (Symmetric::diagonal(&vec![f64::INFINITY; n]), vec![f64::INFINITY; n]) };
         let d = &self.place.derivatives;
         let sums = total(self.pixels(), n + n * n, |p, sums| {
-            if self.weights.held[p] {
+            if self.weights.kept[p] < 1.0 {
                 return;
             }
             let (sizes, squares) = sums.split_at_mut(n);
@@ -301,6 +321,9 @@ pub const BOUNDINGS: usize = 12;
 
 /// Steps toward the values that the scores ask for, and of what a step is made of.
 pub const STEPS: usize = 24;
+
+/// How large the square of what was withheld must be, in terms of its variance, not to be chance.
+const SKEWED: f64 = 6.25;
 
 /// The largest part of a step, in standard errors.
 fn length(step: &[f64], errors: &[f64]) -> f64 {

@@ -13,20 +13,20 @@ pub type Half = Vec<[f64; 3]>;
 pub struct Weights {
     /// In each half.
     pub halves: [Channels; 2],
-    /// Those that are held back pull no harder when they are farther off.
-    pub held: Vec<bool>,
+    /// The part of its pull that each pixel keeps: one that is held back pulls no harder when it is farther off.
+    pub kept: Vec<f32>,
 }
 
 impl Weights {
     /// Weights of pixels none of which is held back.
     pub fn new(halves: [Channels; 2]) -> Self {
-        let held = vec![false; halves[0].len()];
-        Self { halves, held }
+        let kept = vec![1.0; halves[0].len()];
+        Self { halves, kept }
     }
 
     /// The weights of those that are not held back.
     pub fn free(&self) -> [Channels; 2] {
-        self.halves.each_ref().map(|half| half.iter().zip(&self.held).map(|(w, held)| if *held { [0.0; 3] } else { *w }).collect())
+        self.halves.each_ref().map(|half| half.iter().zip(&self.kept).map(|(w, kept)| if *kept < 1.0 { [0.0; 3] } else { *w }).collect())
     }
 }
 
@@ -137,10 +137,10 @@ impl<'a> Sheet<'a> {
         let mean = self.around(&mean, 2);
         let floor = (0.01 * self.level).powi(2);
         let photographed = self.samples(halves, variances);
-        let weights = |i: usize| -> [[f32; 3]; 2] {
+        let weights = |i: usize| -> ([[f32; 3]; 2], f32) {
             let [a, b] = [0, 1].map(|half: usize| variances[half][i].iter().sum::<f64>());
             if a.max(b) > GLINT * a.min(b) {
-                return [[0.0; 3]; 2];
+                return ([[0.0; 3]; 2], 1.0);
             }
             let own = |half: usize| 0.5 / samples[2 * i + half] as f64;
             let weights: [[f64; 3]; 2] = [0, 1].map(|half| {
@@ -150,10 +150,11 @@ impl<'a> Sheet<'a> {
             let rest = |c: usize, half: usize| self.target[i][c] as f64 - halves[half][i][c];
             let off = (0..3).map(|c| 0.5 * (weights[0][c] + weights[1][c]) * rest(c, 0) * rest(c, 1)).sum::<f64>() / 3.0;
             let limit = (OUTLIER * (1.0 + OWN * 0.25 * inverses(samples, i) * photographed)).powi(2);
-            weights.map(|weight| self.masked(i, weight.map(|w| w / (off / limit).max(1.0).sqrt())))
+            let kept = (off / limit).max(1.0).sqrt().recip();
+            (weights.map(|weight| self.masked(i, weight.map(|w| w * kept))), kept as f32)
         };
-        let both: Vec<[[f32; 3]; 2]> = (0..self.numbers.len()).map(weights).collect();
-        Weights::new([0, 1].map(|half| both.iter().map(|w| w[half]).collect()))
+        let (both, kept): (Vec<_>, _) = (0..self.numbers.len()).map(weights).unzip();
+        Weights { halves: [0, 1].map(|half| both.iter().map(|w| w[half]).collect()), kept }
     }
 
     /// How many samples a pixel of the target seems to hold, from what is left of it: what a photograph lacks in noise it has in misfit.
