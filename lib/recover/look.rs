@@ -158,12 +158,14 @@ impl Look<'_> {
                 break;
             }
         }
-        // And on without what single pixels make of it, until that is the same.
+        // And on without what single pixels make of it, until that is the same, by shorter and shorter steps: where the scores hardly tell, it leads
+        // on and on.
+        size = f64::INFINITY;
         for _ in 0..BOUNDINGS {
             let Some(lighter) = now.bounded(pulls[1]) else { break };
             now = Scores::new(sheet, lighter, now.place, self.bounds);
-            let Some((moved, taken)) = self.step(&now, model, &values) else { break };
-            values = moved;
+            let Some((moved, taken)) = self.step(&now, model, &values).filter(|(_, taken)| *taken < size) else { break };
+            (values, size) = (moved, taken);
             now = at(&values, now.weights);
             if taken < STEADY {
                 break;
