@@ -8,6 +8,7 @@ mod clear;
 pub mod doubts;
 pub mod fit;
 pub mod gram;
+mod indices;
 mod look;
 mod misfit;
 pub mod model;
