@@ -228,4 +228,13 @@ mod tests {
         }
         assert!((1.4..=1.6).contains(&meeting(&indices, &[1.0; 9])));
     }
+
+    #[test]
+    fn the_lowest_is_so_with_those_beside_it() {
+        // One that is low by chance is not.
+        assert_eq!(lowest(&[9.0, 8.0, 2.0, 9.0, 4.0, 3.0, 4.0, 8.0]), 5);
+        assert_eq!(lowest(&[1.0, 2.0, 3.0]), 0);
+        assert_eq!(lowest(&[3.0, 2.0, 1.0]), 2);
+        assert_eq!(lowest(&[7.0]), 0);
+    }
 }
