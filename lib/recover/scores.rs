@@ -158,12 +158,13 @@ impl<'a> Scores<'a> {
     /// Where the pixels that are held back would move the values, and how sure that is; `None` where it may be chance.
     ///
     /// Noise that is as often too bright as too dark leaves nothing there. But a photograph whose few samples seldom find a small lamp is too dark
-    /// in most pixels, and far too bright in some: these lead astray on the way, and are a part of the mean in the end.
+    /// in most pixels, and far too bright in some: these lead astray on the way, and are a part of the mean in the end. What only one half is off
+    /// by is noise of the rendering, and more samples will mend it.
     pub fn withheld(&self) -> Option<(Vec<f64>, Symmetric)> {
         let (inverse, n) = (self.inverse.as_ref()?, self.prior.len());
         let sums = total(self.pixels(), n + n * n, |p, sums| {
             let more = 1.0 / self.weights.kept[p] as f64 - 1.0;
-            if more > 0.0 {
+            if more > 0.0 && self.agreed(p) {
                 let (moved, squares) = sums.split_at_mut(n);
                 let pull: Vec<f64> = self.pull(inverse, p).iter().map(|pull| pull * more).collect();
                 moved.iter_mut().zip(&pull).for_each(|(sum, pull)| *sum += pull);
@@ -173,6 +174,17 @@ impl<'a> Scores<'a> {
         let (way, covariance) = (sums[..n].to_vec(), Symmetric::of(n, |i, j| sums[n + i * n + j]));
         let sure = |i: usize| way[i].powi(2) > SKEWED * covariance.at(i, i) && way[i].powi(2) > self.covariance.at(i, i);
         (0..n).any(sure).then_some((way, covariance))
+    }
+
+    /// Whether both halves are off at a pixel by about as much.
+    fn agreed(&self, p: usize) -> bool {
+        let (mut common, mut whole) = (0.0, 0.0);
+        for c in 0..3 {
+            let (a, b, w) = (self.residual(p, c, 0), self.residual(p, c, 1), weight(&self.weights.halves, p, c));
+            common += w * a * b;
+            whole += w * 0.5 * (a * a + b * b);
+        }
+        common > AGREED * whole
     }
 
     /// How much of the derivative by each parameter is not noise, from 0 to 1.
@@ -324,6 +336,9 @@ pub const STEPS: usize = 24;
 
 /// How large the square of what was withheld must be, in terms of its variance, not to be chance.
 const SKEWED: f64 = 6.25;
+
+/// How much of what two halves are off by they must have in common for it to be the photograph's.
+const AGREED: f64 = 0.5;
 
 /// The largest part of a step, in standard errors.
 fn length(step: &[f64], errors: &[f64]) -> f64 {
