@@ -108,7 +108,10 @@ impl Look<'_> {
             let most = GROWTH.1.min(budget - 1.0).min(time);
             let contents = self.effort.contents(self.parameters, &found, &before);
             if strayed || contents || round == ROUNDS || self.effort.quick || most < GROWTH.0 {
-                return if let (false, Some(withheld)) = (strayed, withheld) { self.moved(found, &withheld, model) } else { found };
+                return match withheld.filter(|_| !strayed) {
+                    Some(withheld) => self.counted(found, withheld, model),
+                    None => found,
+                };
             }
             best.clone_from(&found.values);
             model.tune(&best, Some(&found.errors()));
@@ -188,8 +191,8 @@ impl Look<'_> {
     }
 
     /// What was found, with what the pixels that were held back say of it.
-    fn moved(&self, mut found: Recovery, (way, covariance): &(Vec<f64>, Symmetric), model: &dyn Model) -> Recovery {
-        let asked: Vec<f64> = found.values.iter().zip(way).zip(self.bounds).map(|((v, w), b)| (v + w).clamp(b.0, b.1)).collect();
+    fn counted(&self, mut found: Recovery, (way, covariance): (Vec<f64>, Symmetric), model: &dyn Model) -> Recovery {
+        let asked: Vec<f64> = found.values.iter().zip(&way).zip(self.bounds).map(|((v, w), b)| (v + w).clamp(b.0, b.1)).collect();
         found.values = model.trusted(&asked);
         found.covariance = Symmetric::of(way.len(), |i, j| found.covariance.at(i, j) + covariance.at(i, j));
         found
