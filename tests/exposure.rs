@@ -1,13 +1,13 @@
 //! An exposure, or a white balance, as one more unknown of anneal; and what it leaves open.
 
 mod photograph;
+#[path = "photograph/waves.rs"]
+mod waves;
 
 use inverad::picture::Picture;
 use photograph::{photographed, run};
 use std::fs;
-
-const SCENE: &str = "void brightfunc wave 2 1+.8*sin(9*Dx)*sin(7*Dz+Dy) . 0 0\nwave glow sky 0 0 4 1 1.1 1.2 0\nsky source sky 0 0 4 0 0 1 360\n\
-                     void light bulb 0 0 3 200 200 200\nbulb sphere lamp 0 0 4 -3 -4 4 .3\nit sphere s 0 0 4 0 0 0 1\n";
+use waves::{SCENE, said};
 
 /// What is said of a picture of something made of `material` that is brighter than the scene by `factors`.
 fn told(material: &str, factors: [f32; 3], options: &str) -> String {
@@ -32,10 +32,8 @@ fn told(material: &str, factors: [f32; 3], options: &str) -> String {
 /// Fails unless each of these values was found, with an error that covers how far it is off and is below `most`.
 fn found(out: &str, values: &[(&str, f64)], most: f64) {
     for (name, truth) in values {
-        let line = out.lines().find(|line| line.starts_with(&format!("# {name} "))).unwrap();
-        let words: Vec<&str> = line.split(' ').collect();
-        let (value, error): (f64, f64) = (words[2].parse().unwrap(), words[4].parse().unwrap());
-        assert!((value - truth).abs() < 4.0 * error && error < most, "{line}, not {truth}");
+        let (value, error) = said(out, name);
+        assert!((value - truth).abs() < 4.0 * error && error < most, "{name}: {value} ± {error}, not {truth}");
     }
 }
 

@@ -2,14 +2,14 @@
 //! here and there. What leads astray on the way is a part of the mean in the end.
 
 mod photograph;
+#[path = "photograph/waves.rs"]
+mod waves;
 
 use inverad::picture::Picture;
 use inverad::sampling::mix64;
 use photograph::{photographed, run};
 use std::fs;
-
-const SCENE: &str = "void brightfunc wave 2 1+.8*sin(9*Dx)*sin(7*Dz+Dy) . 0 0\nwave glow sky 0 0 4 1 1.1 1.2 0\nsky source sky 0 0 4 0 0 1 360\n\
-                     void light bulb 0 0 3 200 200 200\nbulb sphere lamp 0 0 4 -3 -4 4 .3\nit sphere s 0 0 4 0 0 0 1\n";
+use waves::{SCENE, said};
 
 /// By how much of their light most pixels are too dark, and how many of a thousand make up for it.
 const LACK: f32 = 0.05;
@@ -32,10 +32,8 @@ fn colors_are_not_too_dark_and_errors_are_honest() {
         let out = String::from_utf8(done.stdout).unwrap();
         println!("{out}");
         for (name, truth) in [("red", 0.6), ("green", 0.4), ("blue", 0.2)] {
-            let line = out.lines().find(|line| line.starts_with(&format!("# {name} "))).unwrap();
-            let words: Vec<&str> = line.split(' ').collect();
-            let (value, error): (f64, f64) = (words[2].parse().unwrap(), words[4].parse().unwrap());
-            assert!((value - truth).abs() < 3.0 * error && error < 0.05 * truth, "{line}, not {truth}");
+            let (value, error) = said(&out, name);
+            assert!((value - truth).abs() < 3.0 * error && error < 0.05 * truth, "{name}: {value} ± {error}, not {truth}");
         }
     }
 }

@@ -113,13 +113,18 @@ impl Model for Stage<'_> {
 
 /// A model near the starting values.
 pub fn near_start<'a>(evidence: &'a Evidence<'a>, unknown: &'a Unknown, material: MaterialId) -> impl Model + 'a {
-    let index = unknown.reals(&unknown.start()).get(3).copied().unwrap_or(GLASS_INDEX);
+    let index = start(unknown);
     Stage::new(evidence, unknown, material, if slot(unknown).is_some() { close(index) } else { vec![index] })
 }
 
 /// The place of the index among the parameters, if it is one.
 pub fn slot(unknown: &Unknown) -> Option<usize> {
     unknown.slots().get(3).copied().flatten()
+}
+
+/// The index that the unknown starts with.
+fn start(unknown: &Unknown) -> f64 {
+    unknown.reals(&unknown.start()).get(3).copied().unwrap_or(GLASS_INDEX)
 }
 
 /// Indices to look at the pixels with.
@@ -140,7 +145,7 @@ pub fn recover(
     let sheet = Sheet::new(evidence, pixels);
     let mut seeds = Seeds::new(effort.seed);
     let slot = slot(unknown);
-    let fixed = unknown.reals(&unknown.start()).get(3).copied().unwrap_or(GLASS_INDEX);
+    let fixed = start(unknown);
     let (low, high) = slot.map_or((fixed, fixed), |i| (parameters[i].low.max(LEAST_INDEX), parameters[i].high.max(LEAST_INDEX)));
     let bounds: Vec<(f64, f64)> =
         parameters.iter().enumerate().map(|(i, p)| if Some(i) == slot { (low, high) } else { (p.low, p.high) }).collect();

@@ -121,15 +121,15 @@ fn meeting(indices: &[f64], misfits: &[f64]) -> f64 {
     places.max_by(|a, b| explained(*a).total_cmp(&explained(*b))).unwrap_or(first)
 }
 
+/// How finely that is told.
+const PLACES: usize = 256;
+
 /// The place of the lowest of some numbers, each taken together with those beside it.
 fn lowest(numbers: &[f64]) -> usize {
     let beside = |i: usize, way: isize| numbers.get(i.wrapping_add_signed(way)).unwrap_or(&numbers[i]);
     let mean = |i: usize| beside(i, -1) + 2.0 * numbers[i] + beside(i, 1);
     (0..numbers.len()).min_by(|&a, &b| mean(a).total_cmp(&mean(b))).unwrap_or(0)
 }
-
-/// How finely that is told.
-const PLACES: usize = 256;
 
 /// The places in a sheet of a quarter of its pixels, or of all.
 fn quarter(sheet: &Sheet) -> Vec<usize> {

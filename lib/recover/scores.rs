@@ -178,12 +178,7 @@ impl<'a> Scores<'a> {
 
     /// Whether both halves are off at a pixel by about as much.
     fn agreed(&self, p: usize) -> bool {
-        let (mut common, mut whole) = (0.0, 0.0);
-        for c in 0..3 {
-            let (a, b, w) = (self.residual(p, c, 0), self.residual(p, c, 1), weight(&self.weights.halves, p, c));
-            common += w * a * b;
-            whole += w * 0.5 * (a * a + b * b);
-        }
+        let [common, whole] = agreement(&self.weights.halves, p, |half, c| self.residual(p, c, half));
         common > AGREED * whole
     }
 
@@ -191,7 +186,7 @@ impl<'a> Scores<'a> {
     pub fn clarity(&self) -> Vec<f64> {
         let clarity = |d: &Vec<Half>| {
             let sums = total(self.pixels(), 2, |p, sums| {
-                agreement(&self.weights.halves, d, p).iter().zip(sums).for_each(|(part, sum)| *sum += part)
+                agreement(&self.weights.halves, p, |half, c| d[half][p][c]).iter().zip(sums).for_each(|(part, sum)| *sum += part)
             });
             if sums[1] > 0.0 { (sums[0] / sums[1]).clamp(0.0, 1.0) } else { 0.0 }
         };
@@ -287,11 +282,11 @@ impl<'a> Scores<'a> {
     }
 }
 
-/// What the derivatives of two halves have in common at a pixel, and what there is of their mean: weighted squares.
-fn agreement(weights: &[Channels; 2], derivative: &[Half], p: usize) -> [f64; 2] {
+/// What the numbers of two halves, channel by channel, have in common at a pixel, and what there is of their mean: weighted squares.
+fn agreement(weights: &[Channels; 2], p: usize, of: impl Fn(usize, usize) -> f64) -> [f64; 2] {
     let (mut common, mut whole) = (0.0, 0.0);
     for c in 0..3 {
-        let (a, b, w) = (derivative[0][p][c], derivative[1][p][c], weight(weights, p, c));
+        let (a, b, w) = (of(0, c), of(1, c), weight(weights, p, c));
         common += w * a * b;
         whole += w * 0.25 * (a + b) * (a + b);
     }
@@ -301,7 +296,7 @@ fn agreement(weights: &[Channels; 2], derivative: &[Half], p: usize) -> [f64; 2]
 /// How far the derivatives of two halves agree around each pixel: 0 where they are noise, 1 where they are the same.
 fn trust(sheet: &Sheet, weights: &[Channels; 2], derivative: &[Half]) -> Vec<f64> {
     let sums = |p: usize| {
-        let [common, whole] = agreement(weights, derivative, p);
+        let [common, whole] = agreement(weights, p, |half, c| derivative[half][p][c]);
         [common, whole, 0.0]
     };
     let values: Vec<[f64; 3]> = (0..weights[0].len()).map(sums).collect();
@@ -337,8 +332,9 @@ pub const STEPS: usize = 24;
 /// How large the square of what was withheld must be, in terms of its variance, not to be chance.
 const SKEWED: f64 = 6.25;
 
-/// How much of what two halves are off by they must have in common for it to be the photograph's.
-const AGREED: f64 = 0.5;
+/// How much of what two halves are off by, in terms of their mean's square, they must have in common for it to be the photograph's: the mean of
+/// their squares is twice their product then.
+const AGREED: f64 = 2.0 / 3.0;
 
 /// The largest part of a step, in standard errors.
 fn length(step: &[f64], errors: &[f64]) -> f64 {
