@@ -425,16 +425,18 @@ impl Bsdf {
         !part.diffuse() && self.lobes[part.side()].is_some_and(|l| l.form == Form::Power)
     }
 
+    /// What is added to the squared roughness of the lobe on a side for a lamp that one sample of solid angle `omega` stands for.
+    pub fn widened(&self, side: usize, omega: f64, rules: &Rules) -> f64 {
+        match side {
+            1 => omega / PI,
+            _ if self.flat => omega / (4.0 * PI) * (1.0 - rules.light_jitter.unwrap_or(1.0)),
+            _ => 0.0,
+        }
+    }
+
     /// A rough lobe for a lamp that one sample of solid angle `omega` stands for, without its colour.
     fn highlight(&self, lobe: &Lobe, side: usize, wi: Vec3, omega: f64, rules: &Rules) -> f64 {
-        let widened = if side == 1 {
-            omega / PI
-        } else if self.flat {
-            omega / (4.0 * PI) * (1.0 - rules.light_jitter.unwrap_or(1.0))
-        } else {
-            0.0
-        };
-        let alpha = lobe.alpha.map(|a| a + widened);
+        let alpha = lobe.alpha.map(|a| a + self.widened(side, omega, rules));
         let value = if lobe.form == Form::Power {
             power_reflection(lobe.alpha, self.to_viewer, wi)
         } else if side == 0 {

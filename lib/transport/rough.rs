@@ -141,11 +141,17 @@ impl Rough {
 }
 
 impl Rough {
-    /// The Gaussian densities of slopes at a half vector of any length, times π: of each node, and of all proposals together.
-    fn gaussians<const L: usize>(&self, h: Vec3) -> (Nodes<L>, f32) {
+    /// The Gaussian densities of slopes at a half vector of any length, times π: of each node with this added to its squared roughnesses, and of
+    /// all proposals together.
+    fn gaussians<const L: usize>(&self, h: Vec3, widened: f32) -> (Nodes<L>, f32) {
         let (x, y) = ((h.x * h.x / (h.z * h.z)) as f32, (h.y * h.y / (h.z * h.z)) as f32);
         let gaussian = |&(u, v, area): &Lanes| (-(u * x + v * y)).exp() * area;
-        let nodes = std::array::from_fn(|l| self.lanes.get(l).map_or(f32x8::ZERO, gaussian));
+        let wider = |&(u, v, _): &Lanes| {
+            let (u, v) = (u / (u * widened + 1.0), v / (v * widened + 1.0));
+            (u, v, (u * v).sqrt())
+        };
+        let node = |lanes: &Lanes| if widened == 0.0 { gaussian(lanes) } else { gaussian(&wider(lanes)) };
+        let nodes = std::array::from_fn(|l| self.lanes.get(l).map_or(f32x8::ZERO, node));
         (nodes, self.drawn.iter().map(|lanes| gaussian(lanes).reduce_add()).sum())
     }
 
@@ -207,9 +213,13 @@ impl<const L: usize> Tagging<'_, L> {
             let kept = if arriving == Arriving::Indirect { shape.kept } else { 1.0 };
             return ([f32x8::splat((lambert / kept) as f32); L], lambert);
         }
+        let widened = match arriving {
+            Arriving::Lamp(omega) => shape.widened(part.side(), omega, self.rules),
+            Arriving::Indirect => 0.0,
+        };
         if part == Part::SpecularReflection {
             let (wo, h) = (shape.viewer(), shape.viewer() + wi);
-            let (nodes, drawn) = self.unknown.gaussians::<L>(h);
+            let (nodes, drawn) = self.unknown.gaussians::<L>(h, widened as f32);
             let tilt = if arriving == Arriving::Indirect { shape.tilt(wi) } else { 1.0 };
             let scale = match self.rules.lobe {
                 Ward::Bounded => tilt * wi.z * h.length_squared() / (PI * h.z.powi(4)),
@@ -225,7 +235,7 @@ impl<const L: usize> Tagging<'_, L> {
                 })
             };
             let values: Nodes<L> = match arriving {
-                Arriving::Lamp(_) => nodes(&|alpha| lobe::transmission(alpha, shape.straight(), shape.viewer(), wi)),
+                Arriving::Lamp(_) => nodes(&|alpha| lobe::transmission(alpha.map(|a| a + widened), shape.straight(), shape.viewer(), wi)),
                 Arriving::Indirect => nodes(&at),
             };
             (values, self.unknown.proposals.iter().map(|&alpha| at(alpha)).sum())
@@ -323,7 +333,7 @@ impl<'a, const L: usize> Transport for Tagging<'a, L> {
         }
         let mut left: Nodes<L> = [f32x8::ONE; L];
         for (u, &proposal) in us.iter().zip(&unknown.proposals) {
-            let (nodes, drawn) = unknown.gaussians::<L>(shape.viewer() + lobe::sample_reflection(proposal, shape.viewer(), *u));
+            let (nodes, drawn) = unknown.gaussians::<L>(shape.viewer() + lobe::sample_reflection(proposal, shape.viewer(), *u), 0.0);
             left.iter_mut().zip(nodes).for_each(|(left, node)| *left -= node * (1.0 / drawn));
         }
         Some(Beta { terms: [self.met(beta, surface, part, |l| left[l]), None] })

@@ -216,9 +216,13 @@ fn plain<'c, T: Columns>(world: &World, rules: &Rules, picture: &'c mut [Told; 1
     follow(world, rules, &lens, SEED, picture.iter_mut().enumerate().map(piece), Some(&mixture), transport);
 }
 
-/// One basis against renderings with five sets of numbers, at roughnesses that are nodes.
+/// Bases against renderings with five sets of numbers, at roughnesses that are nodes: lamps integrated, and by RADIANCE's rule.
 fn check_rough(kind: Kind, name: &str, sets: [&[f64]; 5]) {
-    let rules = Rules { ambient_bounces: 3, ..Rules::default() };
+    check_rough_by(Rules { ambient_bounces: 3, ..Rules::default() }, kind, name, sets);
+    check_rough_by(Rules { ambient_bounces: 3, light_jitter: Some(0.3), ..Rules::default() }, kind, name, sets);
+}
+
+fn check_rough_by(rules: Rules, kind: Kind, name: &str, sets: [&[f64]; 5]) {
     let grid = [vec![0.05, 0.08, 0.12, 0.2, 0.3], vec![]];
     let write = |a: &[f64]| format!("{name} thing 0 0 {} {}", a.len(), a.iter().map(|v| v.to_string() + " ").collect::<String>());
     let (start, material) = world(&write(sets[0]), &rules);
