@@ -142,21 +142,20 @@ impl Look<'_> {
         let weights = sheet.by_variance(&halves, &variances, &basis.samples);
         // The bottom of the whole χ², which is safe to find though its place is biased by the noise of the rendering.
         let whole = Whole { model, basis, target: &sheet.target, weights: &weights.halves, bounds: self.bounds };
-        let mut values = whole.polish(near, &vec![true; near.len()]).values;
-        let at = |values: &[f64], weights| Scores::new(sheet, weights, Place::new(model, basis, values, self.bounds), self.bounds);
-        let mut now = at(&values, weights);
+        let begin = whole.polish(near, &vec![true; near.len()]).values;
+        let at = |place, weights| Scores::new(sheet, weights, place, self.bounds);
+        let mut now = at(Place::new(model, basis, &begin, self.bounds), weights);
         let pulls = model.pulls();
         // What is far too bright by chance must not lead astray; what pulls hard because the values are not there yet, may.
         for _ in 0..BOUNDINGS {
             let Some(lighter) = now.bounded(pulls[0]) else { break };
-            now = Scores::new(sheet, lighter, now.place, self.bounds);
+            now = at(now.place, lighter);
         }
         // From there to where the scores vanish, which has no such bias.
         let mut size = f64::INFINITY;
         for _ in 0..STEPS {
-            let Some((moved, taken)) = self.step(&now, model, &values).filter(|(_, taken)| *taken < size) else { break };
-            (values, size) = (moved, taken);
-            now = at(&values, now.weights);
+            let Some((next, taken)) = self.step(&now, model, basis).filter(|(_, taken)| *taken < size) else { break };
+            (now, size) = (at(next, now.weights), taken);
             if taken < STEADY {
                 break;
             }
@@ -166,14 +165,14 @@ impl Look<'_> {
         size = f64::INFINITY;
         for _ in 0..BOUNDINGS {
             let Some(lighter) = now.bounded(pulls[1]) else { break };
-            now = Scores::new(sheet, lighter, now.place, self.bounds);
-            let Some((moved, taken)) = self.step(&now, model, &values).filter(|(_, taken)| *taken < size) else { break };
-            (values, size) = (moved, taken);
-            now = at(&values, now.weights);
+            now = at(now.place, lighter);
+            let Some((next, taken)) = self.step(&now, model, basis).filter(|(_, taken)| *taken < size) else { break };
+            (now, size) = (at(next, now.weights), taken);
             if taken < STEADY {
                 break;
             }
         }
+        let values = now.place.values.clone();
         let wished: Vec<f64> = self.parameters.iter().zip(&values).map(|(p, value)| self.effort.near(p, *value)).collect();
         let (influence, clarity) = (influence(&now, &variances, &wished), now.clarity());
         let losses = now.losses(&sheet.relative);
@@ -198,14 +197,23 @@ impl Look<'_> {
         found
     }
 
-    /// Where the scores ask values to move, as far as the model can be trusted, and how far that is in standard errors.
-    fn step(&self, now: &Scores, model: &dyn Model, values: &[f64]) -> Option<(Vec<f64>, f64)> {
-        let asked: Vec<f64> = values.iter().zip(now.step()?).zip(self.bounds).map(|((v, s), b)| (v + s).clamp(b.0, b.1)).collect();
-        let moved = model.trusted(&asked);
-        let taken = now.length(&moved.iter().zip(values).map(|(a, b)| a - b).collect::<Vec<_>>());
-        Some((moved, taken))
+    /// Where the scores ask values to move, and how far that is in standard errors: as far as the model can be trusted, and half as far, and so on,
+    /// while pixels are surely farther off there. `None` if there is no saying.
+    fn step(&self, now: &Scores, model: &dyn Model, basis: &Basis) -> Option<(Place, f64)> {
+        let (step, here) = (now.step()?, &now.place.values);
+        let part = |part: f64| {
+            let asked: Vec<f64> = here.iter().zip(&step).zip(self.bounds).map(|((v, s), b)| (v + part * s).clamp(b.0, b.1)).collect();
+            Place::new(model, basis, &model.trusted(&asked), self.bounds)
+        };
+        let borne = (0..HALVINGS).map(|n| part(0.5f64.powi(n))).find(|place| now.excess(place) < WORSE)?;
+        let taken = now.length(&borne);
+        Some((borne, taken))
     }
 }
+
+/// By how many standard errors pixels may be farther off after a step, and how often it is halved for that.
+const WORSE: f64 = 5.0;
+const HALVINGS: i32 = 6;
 
 /// A step that is not worth another, in standard errors.
 const STEADY: f64 = 0.05;
@@ -266,7 +274,7 @@ impl Valley for Whole<'_> {
     }
 
     fn normal_equations(&self, values: &[f64]) -> (Vec<f64>, Symmetric) {
-        let Place { halves, derivatives } = Place::new(self.model, self.basis, values, self.bounds);
+        let Place { halves, derivatives, .. } = Place::new(self.model, self.basis, values, self.bounds);
         products(self.weights, &derivatives, |p, c| 0.5 * (halves[0][p][c] + halves[1][p][c]) - self.target[p][c] as f64)
     }
 }
@@ -278,6 +286,6 @@ impl Place {
         let mut all = derivatives(&coefficients, bounds, values);
         all.push(model.coefficients(values));
         let mut derivatives = pictures(basis, &all);
-        Self { halves: derivatives.swap_remove(derivatives.len() - 1), derivatives }
+        Self { values: values.to_vec(), halves: derivatives.swap_remove(derivatives.len() - 1), derivatives }
     }
 }

@@ -22,6 +22,8 @@ pub fn pictures(basis: &Basis, coefficients: &[[Vec<f64>; 3]]) -> Vec<Vec<Half>>
 
 /// What a model says at some values of the parameters.
 pub struct Place {
+    /// The values.
+    pub values: Vec<f64>,
     /// The picture of each half.
     pub halves: Vec<Half>,
     /// Its derivative by each parameter, of each half.
@@ -113,7 +115,22 @@ impl<'a> Scores<'a> {
     }
 
     fn residual(&self, p: usize, c: usize, half: usize) -> f64 {
-        self.sheet.target[p][c] as f64 - self.place.halves[half][p][c]
+        self.off(&self.place, p, c, half)
+    }
+
+    fn off(&self, place: &Place, p: usize, c: usize, half: usize) -> f64 {
+        self.sheet.target[p][c] as f64 - place.halves[half][p][c]
+    }
+
+    /// By how many standard errors the pixels are farther off at another place, by the weights that they have at this one.
+    pub fn excess(&self, other: &Place) -> f64 {
+        let sums = total(self.pixels(), 2, |p, sums| {
+            let cross = |place: &Place, c: usize| self.off(place, p, c, 0) * self.off(place, p, c, 1);
+            let more: f64 = (0..3).map(|c| weight(&self.weights.halves, p, c) * (cross(other, c) - cross(&self.place, c))).sum();
+            sums[0] += more;
+            sums[1] += more * more;
+        });
+        sums[0] / sums[1].sqrt().max(f64::MIN_POSITIVE)
     }
 
     /// A pixel's part of the score of parameter `i`.
@@ -193,9 +210,10 @@ impl<'a> Scores<'a> {
         self.place.derivatives.iter().map(clarity).collect()
     }
 
-    /// The largest part of a step, in standard errors.
-    pub fn length(&self, step: &[f64]) -> f64 {
-        length(step, &self.covariance.deviations())
+    /// How far another place is: the largest part of the way, in standard errors.
+    pub fn length(&self, other: &Place) -> f64 {
+        let way: Vec<f64> = other.values.iter().zip(&self.place.values).map(|(there, here)| there - here).collect();
+        length(&way, &self.covariance.deviations())
     }
 
     /// χ² of equation 11, without what the noise of the rendering adds to it.
