@@ -115,18 +115,19 @@ impl<'a> Scores<'a> {
     }
 
     fn residual(&self, p: usize, c: usize, half: usize) -> f64 {
-        self.off(&self.place, p, c, half)
+        self.sheet.target[p][c] as f64 - self.place.halves[half][p][c]
     }
 
-    fn off(&self, place: &Place, p: usize, c: usize, half: usize) -> f64 {
-        self.sheet.target[p][c] as f64 - place.halves[half][p][c]
+    /// The product of what both halves are off by at a place, which the noise of the rendering adds nothing to on the average.
+    fn cross(&self, place: &Place, p: usize, c: usize) -> f64 {
+        place.halves.iter().map(|half| self.sheet.target[p][c] as f64 - half[p][c]).product()
     }
 
     /// By how many standard errors the pixels are farther off at another place, by the weights that they have at this one.
     pub fn excess(&self, other: &Place) -> f64 {
         let sums = total(self.pixels(), 2, |p, sums| {
-            let cross = |place: &Place, c: usize| self.off(place, p, c, 0) * self.off(place, p, c, 1);
-            let more: f64 = (0..3).map(|c| weight(&self.weights.halves, p, c) * (cross(other, c) - cross(&self.place, c))).sum();
+            let more = |c: usize| self.cross(other, p, c) - self.cross(&self.place, p, c);
+            let more: f64 = (0..3).map(|c| weight(&self.weights.halves, p, c) * more(c)).sum();
             sums[0] += more;
             sums[1] += more * more;
         });
@@ -218,14 +219,12 @@ impl<'a> Scores<'a> {
 
     /// χ² of equation 11, without what the noise of the rendering adds to it.
     pub fn chi2(&self) -> f64 {
-        let cross = |p: usize, c: usize| self.residual(p, c, 0) * self.residual(p, c, 1);
-        (0..self.pixels()).map(|p| (0..3).map(|c| cross(p, c)).sum::<f64>()).sum()
+        (0..self.pixels()).map(|p| (0..3).map(|c| self.cross(&self.place, p, c)).sum::<f64>()).sum()
     }
 
     /// How far each pixel is off, with fixed weights, without what the noise of the rendering adds to it.
     pub fn losses(&self, weights: &Channels) -> Vec<f64> {
-        let cross = |p: usize, c: usize| weights[p][c] as f64 * self.residual(p, c, 0) * self.residual(p, c, 1);
-        (0..weights.len()).map(|p| (0..3).map(|c| cross(p, c)).sum()).collect()
+        (0..weights.len()).map(|p| (0..3).map(|c| weights[p][c] as f64 * self.cross(&self.place, p, c)).sum()).collect()
     }
 
     /// Covariances of the values: by all that makes the residuals, and by the noise of the rendering alone.
