@@ -176,8 +176,7 @@ impl Recovery {
     /// more than one that is off by as much as it is bright.
     fn excess(&self, other: &Self) -> f64 {
         let off = |loss: &f64| loss.clamp(-1.0, 1.0);
-        let pairs = || self.losses.iter().zip(&other.losses).map(|(a, b)| off(a) - off(b));
-        pairs().sum::<f64>() / pairs().map(|d| d * d).sum::<f64>().sqrt().max(f64::MIN_POSITIVE)
+        scores::in_standard_errors(self.losses.iter().zip(&other.losses).map(|(a, b)| off(a) - off(b)))
     }
 
     /// What is known of the errors of the values.

@@ -125,13 +125,8 @@ impl<'a> Scores<'a> {
 
     /// By how many standard errors the pixels are farther off at another place, by the weights that they have at this one.
     pub fn excess(&self, other: &Place) -> f64 {
-        let sums = total(self.pixels(), 2, |p, sums| {
-            let more = |c: usize| self.cross(other, p, c) - self.cross(&self.place, p, c);
-            let more: f64 = (0..3).map(|c| weight(&self.weights.halves, p, c) * more(c)).sum();
-            sums[0] += more;
-            sums[1] += more * more;
-        });
-        sums[0] / sums[1].sqrt().max(f64::MIN_POSITIVE)
+        let more = |p: usize, c: usize| weight(&self.weights.halves, p, c) * (self.cross(other, p, c) - self.cross(&self.place, p, c));
+        in_standard_errors((0..self.pixels()).map(|p| (0..3).map(|c| more(p, c)).sum()))
     }
 
     /// A pixel's part of the score of parameter `i`.
@@ -352,6 +347,12 @@ const SKEWED: f64 = 6.25;
 /// How much of what two halves are off by, in terms of their mean's square, they must have in common for it to be the photograph's: the mean of
 /// their squares is twice their product then.
 const AGREED: f64 = 2.0 / 3.0;
+
+/// The sum of independent differences in terms of its standard error, if their mean is next to nothing.
+pub fn in_standard_errors(differences: impl Iterator<Item = f64>) -> f64 {
+    let (sum, squares) = differences.fold((0.0, 0.0), |(sum, squares), d| (sum + d, squares + d * d));
+    sum / f64::sqrt(squares).max(f64::MIN_POSITIVE)
+}
 
 /// The largest part of a step, in standard errors.
 fn length(step: &[f64], errors: &[f64]) -> f64 {
