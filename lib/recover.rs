@@ -6,6 +6,7 @@
 pub mod answer;
 mod clear;
 pub mod doubts;
+mod drift;
 pub mod fit;
 pub mod gram;
 mod indices;

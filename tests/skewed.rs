@@ -2,14 +2,17 @@
 //! here and there. What leads astray on the way is a part of the mean in the end.
 
 mod photograph;
+#[path = "photograph/said.rs"]
+mod said;
 #[path = "photograph/waves.rs"]
 mod waves;
 
 use inverad::picture::Picture;
 use inverad::sampling::mix64;
 use photograph::{photographed, run};
+use said::said;
 use std::fs;
-use waves::{SCENE, said};
+use waves::SCENE;
 
 /// By how much of their light most pixels are too dark, and how many of a thousand make up for it.
 const LACK: f32 = 0.05;

@@ -98,6 +98,10 @@ impl Model for Stage<'_> {
         values
     }
 
+    fn glints(&self) -> bool {
+        true
+    }
+
     fn pulls(&self) -> [f64; 2] {
         PULLS
     }

@@ -1,5 +1,6 @@
 //! A look at the picture: samples where they tell most, the values that explain it best near some others, and how sure they are.
 
+use super::drift::{LATE, PICTURES};
 use super::fit::{Valley, derivatives};
 use super::misfit::misfit;
 use super::scores::{BOUNDINGS, Place, STEPS, Scores, influence, pictures, products, total};
@@ -24,6 +25,9 @@ pub trait Model: Sync {
 
     /// The nearest values at which the model can be trusted.
     fn trusted(&self, values: &[f64]) -> Vec<f64>;
+
+    /// Whether few samples hold much of the light of a pixel: what is held back is then missed.
+    fn glints(&self) -> bool;
 
     /// How much of a standard error one pixel may make: while the values are only near, and in the end.
     fn pulls(&self) -> [f64; 2];
@@ -57,12 +61,15 @@ const ROUNDS: usize = 12;
 const BUDGET: f64 = 800_000.0;
 
 /// What a round finds.
-struct Fit {
-    found: Recovery,
+pub struct Fit {
+    /// The values.
+    pub found: Recovery,
     /// How much the error of a sample in each pixel disturbs the values.
-    influence: Vec<f64>,
+    pub influence: Vec<f64>,
+    /// Whether pixels were held back.
+    pub held: bool,
     /// Where the pixels that were held back would move the values, and the covariance of that, where there is more than chance in it.
-    withheld: Option<(Vec<f64>, Symmetric)>,
+    pub withheld: Option<(Vec<f64>, Symmetric)>,
 }
 
 /// What is looked at, and with what in mind.
@@ -97,21 +104,23 @@ impl Look<'_> {
         let mut before = Vec::new();
         for round in 1.. {
             let sheet = Sheet::new(self.evidence, &pixels[..count as usize]);
-            let Fit { found, influence, withheld } = self.fit(&sheet, model, &basis, &best);
+            let Fit { found, influence, held, withheld } = self.fit(&sheet, model, &basis, &best);
             (self.effort.told)(&found);
             let strayed = !model.holds(&found.values);
             let budget = if self.effort.tolerance.is_none() { BUDGET / each / count } else { f64::INFINITY };
             let time = self.effort.until.map_or(f64::INFINITY, |until| {
                 until.saturating_duration_since(Instant::now()).as_secs_f64() / begin.elapsed().as_secs_f64()
             });
+            let drifts = held && model.glints() && !strayed && !self.effort.quick;
+            let spared = if drifts { PICTURES } else { 0.0 };
             // So many times as many samples as before may still be taken.
-            let most = GROWTH.1.min(budget - 1.0).min(time);
+            let most = GROWTH.1.min(budget - 1.0).min((time - spared) / (1.0 + spared));
             let contents = self.effort.contents(self.parameters, &found, &before);
             if strayed || contents || round == ROUNDS || self.effort.quick || most < GROWTH.0 {
-                return match withheld.filter(|_| !strayed) {
-                    Some(withheld) => self.counted(found, withheld, model),
-                    None => found,
-                };
+                let found = self.moved(found, withheld.filter(|_| !strayed), model);
+                let share = time.min(PICTURES);
+                let drift = (drifts && share > LATE).then(|| self.drift(&sheet, model, &basis, &found.values, share, seeds));
+                return self.moved(found, drift, model);
             }
             best.clone_from(&found.values);
             model.tune(&best, Some(&found.errors()));
@@ -136,7 +145,7 @@ impl Look<'_> {
     }
 
     /// The values that explain the picture best, near some.
-    fn fit(&self, sheet: &Sheet, model: &dyn Model, basis: &Basis, near: &[f64]) -> Fit {
+    pub fn fit(&self, sheet: &Sheet, model: &dyn Model, basis: &Basis, near: &[f64]) -> Fit {
         let halves = pictures(basis, &[model.coefficients(near)]).swap_remove(0);
         let variances = sheet.variances(&halves, basis);
         let weights = sheet.by_variance(&halves, &variances, &basis.samples);
@@ -183,14 +192,15 @@ impl Look<'_> {
             now.covariance.set(i, i, now.covariance.at(i, i) + way * way);
         }
         let (common, misfit) = (now.common(), misfit(sheet, &now.weights.halves, &now.place.halves));
-        let withheld = now.withheld();
+        let (held, withheld) = (now.weights.kept.iter().any(|kept| *kept < 1.0), now.withheld());
         let (chi2, pixels) = (now.chi2(), sheet.numbers.len());
         let found = Recovery { values, covariance: now.covariance, own: now.own, common, misfit, chi2, pixels, losses, clarity };
-        Fit { found, influence, withheld }
+        Fit { found, influence, held, withheld }
     }
 
-    /// What was found, with what the pixels that were held back say of it.
-    fn counted(&self, mut found: Recovery, (way, covariance): (Vec<f64>, Symmetric), model: &dyn Model) -> Recovery {
+    /// What was found, moved on by a way that is known with some covariance, if there is one.
+    pub fn moved(&self, mut found: Recovery, way: Option<(Vec<f64>, Symmetric)>, model: &dyn Model) -> Recovery {
+        let Some((way, covariance)) = way else { return found };
         let asked: Vec<f64> = found.values.iter().zip(&way).zip(self.bounds).map(|((v, w), b)| (v + w).clamp(b.0, b.1)).collect();
         found.values = model.trusted(&asked);
         found.covariance = Symmetric::of(way.len(), |i, j| found.covariance.at(i, j) + covariance.at(i, j));

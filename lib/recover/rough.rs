@@ -148,6 +148,10 @@ impl Model for Stage<'_> {
         values
     }
 
+    fn glints(&self) -> bool {
+        false
+    }
+
     fn pulls(&self) -> [f64; 2] {
         PULLS
     }

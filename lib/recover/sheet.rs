@@ -48,7 +48,11 @@ pub struct Sheet<'a> {
 impl<'a> Sheet<'a> {
     /// The sheet of some pixels.
     pub fn new(evidence: &'a Evidence<'a>, numbers: &'a [usize]) -> Self {
-        let target: Channels = numbers.iter().map(|&n| evidence.target.pixels[n]).collect();
+        Self::of(evidence, numbers, numbers.iter().map(|&n| evidence.target.pixels[n]).collect())
+    }
+
+    /// The same, had the photograph shown other values there.
+    pub fn of(evidence: &'a Evidence<'a>, numbers: &'a [usize], target: Channels) -> Self {
         let level = target.iter().flatten().map(|&v| v as f64).sum::<f64>() / (3 * target.len()) as f64;
         let mut places = vec![u32::MAX; evidence.film.width * evidence.film.height];
         numbers.iter().enumerate().for_each(|(i, &n)| places[n] = i as u32);
@@ -158,7 +162,7 @@ impl<'a> Sheet<'a> {
     }
 
     /// How many samples a pixel of the target seems to hold, from what is left of it: what a photograph lacks in noise it has in misfit.
-    fn samples(&self, halves: &[Half], variances: &[Vec<[f64; 3]>; 2]) -> f64 {
+    pub fn samples(&self, halves: &[Half], variances: &[Vec<[f64; 3]>; 2]) -> f64 {
         let (mut noise, mut rest) = (0.0, 0.0);
         for (i, w) in self.relative.iter().enumerate() {
             for c in 0..3 {

@@ -1,12 +1,5 @@
-//! A ball in light that tells much of it, and what is said of a recovery there.
+//! A ball in light that tells much of it.
 
 /// A sky with waves, a lamp, and the ball.
 pub const SCENE: &str = "void brightfunc wave 2 1+.8*sin(9*Dx)*sin(7*Dz+Dy) . 0 0\nwave glow sky 0 0 4 1 1.1 1.2 0\nsky source sky 0 0 4 0 0 1 360\n\
                          void light bulb 0 0 3 200 200 200\nbulb sphere lamp 0 0 4 -3 -4 4 .3\nit sphere s 0 0 4 0 0 0 1\n";
-
-/// The value of a parameter and its standard error, as they are printed.
-pub fn said(out: &str, name: &str) -> (f64, f64) {
-    let line = out.lines().find(|line| line.starts_with(&format!("# {name} "))).unwrap();
-    let words: Vec<&str> = line.split(' ').collect();
-    (words[2].parse().unwrap(), words[4].parse().unwrap())
-}
