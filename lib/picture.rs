@@ -167,6 +167,14 @@ impl Picture {
         self
     }
 
+    /// In radiance, the distance between each value and the next that a RADIANCE picture could hold; 0 for those of pixels that are none of its,
+    /// and of CIE XYZ.
+    pub fn steps(&self) -> Vec<[f32; 3]> {
+        let scale = self.header.colorcorr().map(|c| 1.0 / (self.header.exposure() * c));
+        let step = |&pixel: &[f32; 3]| if self.header.format == Format::Rgb { hdr::step(pixel) } else { 0.0 };
+        self.pixels.iter().map(|pixel| scale.map(|s| (f64::from(step(pixel)) * s) as f32)).collect()
+    }
+
     /// [`Picture::into_radiance`] of a copy.
     pub fn radiance(&self) -> Self {
         self.clone().into_radiance()

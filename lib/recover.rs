@@ -45,6 +45,8 @@ pub struct Evidence<'a> {
     pub film: &'a Film,
     /// The picture of it, in radiance.
     pub target: &'a Picture,
+    /// The distance between each of its values and the next that its file could have held ([`Picture::steps`]), if it was in a file.
+    pub steps: Option<&'a [[f32; 3]]>,
     /// How much each pixel counts, from 0 to 1; all the same if `None`.
     pub mask: Option<&'a [f32]>,
 }

@@ -52,6 +52,20 @@ fn pixels_decode_with_half_a_step_and_encode_cut_off() {
 }
 
 #[test]
+fn steps_lie_between_the_values_that_can_be_stored() {
+    let mut picture = picture(3, &[[128, 64, 32, 129], [200, 0, 3, 120], [0; 4]]);
+    let next = decode([129, 65, 33, 129])[0] - decode([128, 64, 32, 129])[0];
+    assert_eq!(picture.steps(), [[next; 3], [2f32.powi(-16); 3], [0.0; 3]]);
+    picture.header.push("EXPOSURE=4");
+    picture.header.push("COLORCORR=1 2 .5");
+    assert_eq!(picture.steps()[0], [next / 4.0, next / 8.0, next / 2.0]);
+    picture.pixels[0][1] = 0.3;
+    assert_eq!(picture.steps()[0], [0.0; 3]);
+    picture.header.format = Format::Xyz;
+    assert_eq!(picture.steps(), [[0.0; 3]; 3]);
+}
+
+#[test]
 fn every_pixel_that_radiance_writes_survives() {
     // Its largest mantissa is at least 128; values to 1e-32, all below 2^-106, are cut to black.
     for e in 23..=255 {

@@ -33,6 +33,7 @@ pub struct Photo<'a> {
     world: World,
     film: Film,
     target: Picture,
+    steps: Vec<[f32; 3]>,
     mask: Option<Vec<f32>>,
     seed: u64,
     read: u64,
@@ -68,6 +69,7 @@ impl<'a> Photo<'a> {
             let (width, height) = (film.width, film.height);
             (String::new(), Picture { width, height, header: Header::default(), pixels: vec![[0.0; 3]; width * height] })
         });
+        let steps = target.steps();
         let target = target.into_radiance();
         let mask = photo.mask.as_deref().map(read).transpose()?;
         let mask = mask.map(|(mask_name, mask)| {
@@ -102,6 +104,7 @@ impl<'a> Photo<'a> {
             world,
             film,
             target,
+            steps,
             mask: mask.transpose()?,
             seed: arguments.common.seed,
         })
@@ -109,7 +112,14 @@ impl<'a> Photo<'a> {
 
     /// What there is to go by.
     pub fn evidence(&self) -> Evidence<'_> {
-        Evidence { world: &self.world, rules: &self.rules, film: &self.film, target: &self.target, mask: self.mask.as_deref() }
+        Evidence {
+            world: &self.world,
+            rules: &self.rules,
+            film: &self.film,
+            target: &self.target,
+            steps: Some(&self.steps),
+            mask: self.mask.as_deref(),
+        }
     }
 
     /// A number that any change of the files that it was made of changes.

@@ -55,6 +55,14 @@ pub fn encode(color: [f32; 3]) -> Option<Rgbe> {
     Some([r, g, b, (exponent + 128) as u8])
 }
 
+/// The distance between the values that can be stored beside these; 0 for those that never were.
+pub fn step(color: [f32; 3]) -> f32 {
+    match encode(color) {
+        Some(stored @ [.., e]) if e > 0 && decode(stored) == color => power_of_two(i32::from(e) - 136),
+        _ => 0.0,
+    }
+}
+
 /// 2^n for −126 ≤ n ≤ 127.
 fn power_of_two(n: i32) -> f32 {
     f32::from_bits(((n + 127) as u32) << 23)

@@ -72,7 +72,7 @@ fn by(model: &mut dyn Model, evidence: &Evidence, unknown: &Unknown, pixels: &[u
     for (i, &n) in pixels.iter().enumerate() {
         target.pixels[n] = std::array::from_fn(|c| (0.5 * (halves[0][i][c] + halves[1][i][c])).max(0.0) as f32);
     }
-    let evidence = Evidence { target: &target, ..*evidence };
+    let evidence = Evidence { target: &target, steps: None, ..*evidence };
     let sheet = Sheet::new(&evidence, pixels);
     let dark = DARK * sheet.level;
     let weights: Channels =

@@ -165,7 +165,11 @@ impl<'a> Scores<'a> {
         let part = |pull: &f64| if *pull > SLACK { 1.0 / *pull as f32 } else { 1.0 };
         let lighter = |half: &Channels| half.iter().zip(&pulls).map(|(w, pull)| w.map(|w| w * part(pull))).collect();
         let kept = self.weights.kept.iter().zip(&pulls).map(|(kept, pull)| kept * part(pull)).collect();
-        pulls.iter().any(|pull| *pull > SLACK).then(|| Weights { halves: self.weights.halves.each_ref().map(lighter), kept })
+        pulls.iter().any(|pull| *pull > SLACK).then(|| Weights {
+            halves: self.weights.halves.each_ref().map(lighter),
+            kept,
+            rounding: self.weights.rounding.clone(),
+        })
     }
 
     /// Where the pixels that are held back would move the values, and how sure that is; `None` where it may be chance.
@@ -222,7 +226,7 @@ impl<'a> Scores<'a> {
         (0..weights.len()).map(|p| (0..3).map(|c| weights[p][c] as f64 * self.cross(&self.place, p, c)).sum()).collect()
     }
 
-    /// Covariances of the values: by all that makes the residuals, and by the noise of the rendering alone.
+    /// Covariances of the values: by all that makes the residuals and by the rounding of the target, and by the noise of the rendering alone.
     ///
     /// The sandwich form (White 1980), the scores summed per pixel over the channels, whose errors go together. What is held back has a score but
     /// no slope (Huber 1981, section 3.2).
@@ -240,6 +244,10 @@ impl<'a> Scores<'a> {
             }
         });
         let (mut all, own) = (sums[..n * n].to_vec(), &sums[n * n..]);
+        // Residuals tell of the rounding of each value, but not that it is the same where the value is.
+        for tie in &self.sheet.ties {
+            add_square(&mut all, &self.rounded(inverse, tie));
+        }
         // What as many steps again would do is not known either; what the pixels leave open, the bounds still tell.
         add_square(&mut all, &times(inverse, &self.scores()));
         for i in 0..n {
@@ -247,6 +255,21 @@ impl<'a> Scores<'a> {
             add_square(&mut all, &times(inverse, &known));
         }
         (Symmetric::of(n, |i, j| all[i * n + j]), Symmetric::of(n, |i, j| own[i * n + j]))
+    }
+
+    /// How far the rounding of values that are the same moves the values of the parameters.
+    fn rounded(&self, inverse: &[Vec<f64>], tie: &[(usize, usize)]) -> Vec<f64> {
+        let mut scores = vec![0.0; inverse.len()];
+        for &(p, c) in tie.iter().filter(|(p, _)| self.weights.kept[*p] == 1.0) {
+            let error = self.weights.rounding[p][c] as f64 * weight(&self.weights.halves, p, c);
+            scores.iter_mut().enumerate().for_each(|(i, score)| *score += error * self.instrument(i, p, c));
+        }
+        times(inverse, &scores)
+    }
+
+    /// What asks for a parameter at a channel of a pixel.
+    fn instrument(&self, i: usize, p: usize, c: usize) -> f64 {
+        self.trust[i][p] * 0.5 * (self.place.derivatives[i][0][p][c] + self.place.derivatives[i][1][p][c])
     }
 
     /// What an error of the picture that is as large a part of each value as [`COMMON`] does to the values, where its signs do most harm:
@@ -276,7 +299,6 @@ impl<'a> Scores<'a> {
     fn moved(&self, error: impl Fn(usize, usize) -> f64 + Sync) -> (Symmetric, Vec<f64>) {
         let n = self.place.derivatives.len();
         let Some(inverse) = &self.inverse else { return (Symmetric::diagonal(&vec![f64::INFINITY; n]), vec![f64::INFINITY; n]) };
-        let d = &self.place.derivatives;
         let sums = total(self.pixels(), n + n * n, |p, sums| {
             if self.weights.kept[p] < 1.0 {
                 return;
@@ -284,8 +306,7 @@ impl<'a> Scores<'a> {
             let (sizes, squares) = sums.split_at_mut(n);
             for c in 0..3 {
                 let error = error(p, c);
-                let instrument: Vec<f64> = (0..n).map(|j| self.trust[j][p] * 0.5 * (d[j][0][p][c] + d[j][1][p][c]) * error).collect();
-                let moved = times(inverse, &instrument);
+                let moved = times(inverse, &(0..n).map(|j| self.instrument(j, p, c) * error).collect::<Vec<_>>());
                 sizes.iter_mut().zip(&moved).for_each(|(size, m)| *size += m.abs());
                 add_square(squares, &moved);
             }

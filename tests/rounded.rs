@@ -1,0 +1,39 @@
+//! A pane before plain walls: hardly any noise, and all pixels of a wall alike. A RADIANCE picture rounds them alike too, a dark channel beside a
+//! bright one by percents, and no number of pixels averages that out.
+
+mod photograph;
+#[path = "photograph/said.rs"]
+mod said;
+
+use photograph::{photographed, run};
+use said::said;
+use std::fs;
+
+const SCENE: &str = "void glow sky 0 0 4 .5 .6 .9 0\nsky source above 0 0 4 0 0 1 180\nvoid glow ground 0 0 4 .3 .2 .1 0\n\
+                     ground source below 0 0 4 0 0 -1 180\nvoid plastic left 0 0 5 .6 .1 .1 0 0\nvoid plastic right 0 0 5 .1 .2 .6 0 0\n\
+                     left polygon l 0 0 12 -4 2 -3 -4 2 3 0 2 3 0 2 -3\nright polygon r 0 0 12 0 2 -3 0 2 3 4 2 3 4 2 -3\n\
+                     it polygon pane 0 0 12 -.5 0 -.5 -.5 0 .5 .5 0 .5 .5 0 -.5\n";
+const TRUE: [(&str, f64); 3] = [("red", 0.7332), ("green", 0.1248), ("blue", 0.7702)];
+
+/// Values and errors from a photograph in this file.
+fn found(target: &str) -> [(f64, f64); 3] {
+    let material = format!("glass it 0 0 3 {} {} {}", TRUE[0].1, TRUE[1].1, TRUE[2].1);
+    let directory = photographed(&material, SCENE, &format!("-x 48 -y 48 --spp 1024 -ab 1 -o {target}"));
+    fs::write(directory.path().join("start.rad"), "void glass it 0 0 3 .5 .5 .5\n").unwrap();
+    let done = run(env!("CARGO_BIN_EXE_anneal"), directory.path(), &format!("-ab 1 --scene scene.rad --target {target} start.rad"));
+    let out = String::from_utf8(done.stdout).unwrap();
+    println!("{out}");
+    TRUE.map(|(name, _)| said(&out, name))
+}
+
+#[test]
+fn errors_hold_the_rounding_of_the_file() {
+    let (rounded, exact) = (found("target.hdr"), found("target.exr"));
+    for ((name, truth), (rounded, exact)) in TRUE.into_iter().zip(rounded.into_iter().zip(exact)) {
+        for (value, error) in [rounded, exact] {
+            assert!((value - truth).abs() < 3.0 * error, "{name}: {value} ± {error}, not {truth}");
+        }
+    }
+    // Green has 20 to 40 steps of the file at most.
+    assert!(rounded[1].1 > 4.0 * exact[1].1 && exact[1].1 < 0.004 * TRUE[1].1, "{rounded:?} {exact:?}");
+}
