@@ -95,6 +95,11 @@ impl Effort<'_> {
         self.quick || self.until.is_some_and(|until| Instant::now() >= until)
     }
 
+    /// Whether there is time for one more look that takes as long as those since `begin` on the average.
+    fn affords_another(&self, begin: Instant, looks: u32) -> bool {
+        !self.quick && self.until.is_none_or(|until| Instant::now() + begin.elapsed() / looks <= until)
+    }
+
     /// The standard error that satisfies for a parameter.
     fn near(&self, parameter: &Parameter, value: f64) -> f64 {
         self.tolerance.unwrap_or_else(|| match parameter.name.as_str() {

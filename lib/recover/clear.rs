@@ -13,6 +13,7 @@ use crate::error::Result;
 use crate::scene::MaterialId;
 use crate::transport::{self, Basis, Clear, Pixels};
 use crate::unknown::Unknown;
+use std::time::Instant;
 
 /// The smallest index that is looked at: less bends light no further.
 const LEAST_INDEX: f64 = 0.2;
@@ -159,6 +160,7 @@ pub fn recover(
 
     // Each look that finds the index farther on in the same direction is followed by one twice as far; one that went too far, by one just beside
     // the lowest place so far.
+    let begin = Instant::now();
     let (mut lowest, mut stride): (Option<Recovery>, f64) = (None, 0.0);
     for look in 1.. {
         tell(&format!("look {look}: {best:.4?}"));
@@ -182,7 +184,7 @@ pub fn recover(
                 (found, best[i] + stride)
             }
         };
-        if effort.late() || look == MOST_LOOKS {
+        if look == MOST_LOOKS || !effort.affords_another(begin, look) {
             // It was not got hold of: the index may be anywhere.
             here.covariance.set(i, i, anywhere((low, high)));
             return Ok(here);
@@ -198,4 +200,4 @@ pub fn recover(
 const SURE: f64 = 1.0;
 
 /// Looks before the search gives up to keep the answer inside the indices.
-const MOST_LOOKS: usize = 8;
+const MOST_LOOKS: u32 = 8;

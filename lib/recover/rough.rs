@@ -12,6 +12,7 @@ use crate::error::Result;
 use crate::scene::MaterialId;
 use crate::transport::{self, Alpha, Basis, Pixels, Rough};
 use crate::unknown::Unknown;
+use std::time::Instant;
 
 /// The smallest roughness that a node stands for; below it a lobe is hardly to be told from a mirror's.
 const SMOOTHEST: f64 = 0.002;
@@ -45,7 +46,7 @@ const PULLS: [f64; 2] = [0.3, 0.1];
 const LEAST: [f64; 2] = [48.0, 32.0];
 
 /// Looks before the search gives up to keep the answer inside the nodes.
-const MOST_LOOKS: usize = 10;
+const MOST_LOOKS: u32 = 10;
 
 /// Where directions are drawn from, in terms of the roughness: when it is hardly known, and when its relative standard error is below this.
 const WIDE: [f64; 3] = [0.3, 1.0, 3.0];
@@ -221,6 +222,7 @@ pub fn recover(
 
     // Closer looks, each around the answer of the one before, until it stays well inside. Where the roughness hardly tells there, a second first
     // look with more samples may know a better place.
+    let begin = Instant::now();
     let mut doubtful: Option<Recovery> = None;
     for look in 1.. {
         tell(&format!("look {look}: {best:.4?}"));
@@ -228,7 +230,7 @@ pub fn recover(
         let mut stage = Stage::new(evidence, unknown, material, kind, grid, vec![]);
         let found =
             Look { evidence, pixels, parameters: unknown.parameters(), bounds: &bounds, effort: &effort }.at(&mut stage, &best, &mut seeds);
-        let last = look == MOST_LOOKS || effort.late();
+        let last = look == MOST_LOOKS || !effort.affords_another(begin, look);
         if !last && !stage.holds(&found.values) {
             best = found.values;
         } else if !last && doubtful.is_none() && stage.axes().any(|(_, slot)| found.clarity[slot] < DOUBTFUL) {
