@@ -93,7 +93,10 @@ impl<'a> Scores<'a> {
         }
         scores.inverse = curvature.inverse().map(|forward| landweber(&forward, &slopes));
         if let Some(inverse) = &scores.inverse {
-            (scores.covariance, scores.own) = scores.covariances(inverse);
+            let reached = reached(inverse, &slopes);
+            let whole = |covariance: &Symmetric| Symmetric::of(n, |i, j| covariance.at(i, j) / (reached[i] * reached[j]));
+            let (covariance, own) = scores.covariances(inverse);
+            (scores.covariance, scores.own) = (whole(&covariance), whole(&own));
         }
         scores
     }
@@ -228,13 +231,14 @@ impl<'a> Scores<'a> {
 
     /// Covariances of the values: by all that makes the residuals and by the rounding of the target, and by the noise of the rendering alone.
     ///
-    /// The sandwich form (White 1980), the scores summed per pixel over the channels, whose errors go together. What is held back has a score but
-    /// no slope (Huber 1981, section 3.2).
+    /// The sandwich form (White 1980), the scores summed per pixel over the channels, whose errors go together, each as it would be had the values
+    /// been found without it (MacKinnon and White 1985, HC3). What is held back has a score but no slope (Huber 1981, section 3.2).
     fn covariances(&self, inverse: &[Vec<f64>]) -> (Symmetric, Symmetric) {
         let n = self.place.derivatives.len();
         let sums = total(self.pixels(), 2 * n * n, |p, sums| {
             let (all, own) = sums.split_at_mut(n * n);
-            add_square(all, &self.pull(inverse, p));
+            let alone = 1.0 / (1.0 - self.leverage(inverse, p).clamp(0.0, MOST_LEVERAGE));
+            add_square(all, &self.pull(inverse, p).iter().map(|pull| alone * pull).collect::<Vec<_>>());
             for half in 0..2 {
                 let noise = |c: usize| {
                     0.5 * 0.5f64.sqrt() * (self.place.halves[0][p][c] - self.place.halves[1][p][c]) * self.weights.halves[half][p][c] as f64
@@ -255,6 +259,17 @@ impl<'a> Scores<'a> {
             add_square(&mut all, &times(inverse, &known));
         }
         (Symmetric::of(n, |i, j| all[i * n + j]), Symmetric::of(n, |i, j| own[i * n + j]))
+    }
+
+    /// Which part of a pixel's error the values follow: near 1 where they were found by that pixel alone.
+    fn leverage(&self, inverse: &[Vec<f64>], p: usize) -> f64 {
+        let d = &self.place.derivatives;
+        let followed = |c: usize, half: usize| -> f64 {
+            let asked: Vec<f64> = (0..inverse.len()).map(|i| self.trust[i][p] * d[i][half][p][c]).collect();
+            let moved = times(inverse, &asked);
+            self.weights.halves[half][p][c] as f64 * (0..inverse.len()).map(|i| d[i][1 - half][p][c] * moved[i]).sum::<f64>()
+        };
+        (0..3).map(|c| 0.5 * (followed(c, 0) + followed(c, 1))).sum()
     }
 
     /// How far the rounding of values that are the same moves the values of the parameters.
@@ -408,6 +423,18 @@ pub fn total(count: usize, width: usize, part: impl Fn(usize, &mut [f64]) + Sync
 /// Pixels that are summed at a time.
 const PIECE: usize = 512;
 
+/// Which part of the way to where the scores vanish a step comes, value by value: what disturbs the scores disturbs the step by that part only.
+fn reached(inverse: &[Vec<f64>], slopes: &[Vec<f64>]) -> Vec<f64> {
+    let part = |(i, row): (usize, &Vec<f64>)| row.iter().zip(slopes).map(|(x, slope)| x * slope[i]).sum::<f64>();
+    inverse.iter().enumerate().map(|row| part(row).clamp(LEAST_REACHED, 1.0)).collect()
+}
+
+/// The most of a pixel's error that values are taken to follow.
+const MOST_LEVERAGE: f64 = 0.95;
+
+/// The least part that is reckoned with.
+const LEAST_REACHED: f64 = 0.05;
+
 /// What takes scores that change with the values by `slopes` to a step: what [`STEPS`] steps by `forward`, the inverse of the curvature, come to.
 ///
 /// The slope of the scores is itself known by the noise alone where little is sampled, and its inverse may lead anywhere. The curvature of
@@ -427,4 +454,19 @@ fn landweber(forward: &Symmetric, slopes: &[Vec<f64>]) -> Vec<Vec<f64>> {
         all.iter_mut().flatten().zip(more.into_iter().flatten()).for_each(|(a, m)| *a += m);
     }
     all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_come_as_far_as_the_slope_is_known() {
+        // Of a curvature of 4 that is all noise but a hundredth, steps come 1 − .99^24 of the way.
+        let slopes = [vec![4.0, 0.0], vec![0.0, 0.04]];
+        let inverse = landweber(&Symmetric::diagonal(&[0.25; 2]), &slopes);
+        let [all, part] = reached(&inverse, &slopes)[..] else { panic!() };
+        assert!((all - 1.0).abs() < 1e-12 && (part - (1.0 - 0.99f64.powi(24))).abs() < 1e-12, "{all} {part}");
+        assert_eq!(reached(&[vec![0.0]], &[vec![4.0]]), [LEAST_REACHED]);
+    }
 }
