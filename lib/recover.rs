@@ -90,9 +90,9 @@ pub struct Recovery {
 }
 
 impl Effort<'_> {
-    /// Whether what was found has to do.
+    /// Whether time is over.
     fn late(&self) -> bool {
-        self.quick || self.until.is_some_and(|until| Instant::now() >= until)
+        self.until.is_some_and(|until| Instant::now() >= until)
     }
 
     /// Whether there is time for one more look that takes as long as those since `begin` on the average.

@@ -1,8 +1,11 @@
 //! anneal recovers two roughnesses from a start at which they are the same.
 
 mod photograph;
+#[path = "photograph/said.rs"]
+mod said;
 
 use photograph::{photographed, run};
+use said::said;
 use std::fs;
 
 #[test]
@@ -14,10 +17,7 @@ fn a_start_without_direction_does_not_lose_it() {
     let path = directory.path();
     fs::write(path.join("start.rad"), "void plastic2 it 4 .3 .2 1 . 0 6 .5 .5 .5 .1 .15 .15\n").unwrap();
     let done = run(env!("CARGO_BIN_EXE_anneal"), path, "-q -ab 1 --scene scene.rad --target target.hdr start.rad");
-    let said = String::from_utf8(done.stdout).unwrap();
-    let value = |name: &str| -> f64 {
-        let line = said.lines().find(|line| line.starts_with(&format!("# {name} "))).unwrap();
-        line.split(' ').nth(2).unwrap().parse().unwrap()
-    };
-    assert!((value("urough") - 0.08).abs() < 0.01 && (value("vrough") - 0.25).abs() < 0.02, "{said}");
+    let out = String::from_utf8(done.stdout).unwrap();
+    let value = |name: &str| said(&out, name).0;
+    assert!((value("urough") - 0.08).abs() < 0.01 && (value("vrough") - 0.25).abs() < 0.02, "{out}");
 }

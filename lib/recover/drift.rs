@@ -6,31 +6,23 @@
 
 use super::Seeds;
 use super::look::{Fit, Look, Model};
-use super::scores::pictures;
+use super::scores::{Way, pictures};
 use super::sheet::Sheet;
 use crate::anneal::linear::Symmetric;
 use crate::transport::Basis;
 
 /// How many samples such pictures may hold together, in terms of all that the values were found with, and about how much time they take.
 pub const PICTURES: f64 = 0.5;
-/// What share of that is too late to begin with.
+/// The least share that is worth beginning with.
 pub const LATE: f64 = 0.2;
 
 /// The most pairs of pictures.
 const PAIRS: f64 = 4.0;
 
 impl Look<'_> {
-    /// How far values that were found with this basis must go back, as the same fit finds others where they are the true ones; and the covariance
-    /// of that. Takes `share` as many samples as the basis, at the most.
-    pub fn drift(
-        &self,
-        sheet: &Sheet,
-        model: &dyn Model,
-        basis: &Basis,
-        values: &[f64],
-        share: f64,
-        seeds: &mut Seeds,
-    ) -> (Vec<f64>, Symmetric) {
+    /// How far values that were found with this basis must go back, as the same fit finds others where they are the true ones. Takes `share` as
+    /// many samples as the basis, at the most.
+    pub fn drift(&self, sheet: &Sheet, model: &dyn Model, basis: &Basis, values: &[f64], share: f64, seeds: &mut Seeds) -> Way {
         let coefficients = [model.coefficients(values)];
         let halves = pictures(basis, &coefficients).swap_remove(0);
         let pixels = sheet.numbers.len();

@@ -3,7 +3,7 @@
 use super::drift::{LATE, PICTURES};
 use super::fit::{Valley, derivatives};
 use super::misfit::misfit;
-use super::scores::{BOUNDINGS, Place, STEPS, Scores, influence, pictures, products, total};
+use super::scores::{BOUNDINGS, Place, STEPS, Scores, Way, influence, pictures, products, total};
 use super::sheet::{Channels, Sheet, weight};
 use super::{Effort, Evidence, Recovery, Seeds};
 use crate::anneal::Parameter;
@@ -68,8 +68,8 @@ pub struct Fit {
     pub influence: Vec<f64>,
     /// Whether pixels were held back.
     pub held: bool,
-    /// Where the pixels that were held back would move the values, and the covariance of that, where there is more than chance in it.
-    pub withheld: Option<(Vec<f64>, Symmetric)>,
+    /// Where the pixels that were held back would move the values, where there is more than chance in it.
+    pub withheld: Option<Way>,
 }
 
 /// What is looked at, and with what in mind.
@@ -198,8 +198,8 @@ impl Look<'_> {
         Fit { found, influence, held, withheld }
     }
 
-    /// What was found, moved on by a way that is known with some covariance, if there is one.
-    pub fn moved(&self, mut found: Recovery, way: Option<(Vec<f64>, Symmetric)>, model: &dyn Model) -> Recovery {
+    /// What was found, moved on if there is a way to go.
+    pub fn moved(&self, mut found: Recovery, way: Option<Way>, model: &dyn Model) -> Recovery {
         let Some((way, covariance)) = way else { return found };
         let asked: Vec<f64> = found.values.iter().zip(&way).zip(self.bounds).map(|((v, w), b)| (v + w).clamp(b.0, b.1)).collect();
         found.values = model.trusted(&asked);

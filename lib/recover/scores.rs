@@ -1,6 +1,6 @@
 //! How much the values can be trusted that were fitted to the pixels, and which way these pull.
 
-use super::sheet::{COMMON, Channels, Half, Sheet, Weights, weight};
+use super::sheet::{Alike, COMMON, Channels, Half, Sheet, Weights, weight};
 use crate::anneal::linear::Symmetric;
 use crate::transport::{Basis, Mixture};
 use rayon::prelude::*;
@@ -51,6 +51,9 @@ pub fn products(weights: &[Channels; 2], derivatives: &[Vec<Half>], rest: impl F
 pub fn anywhere((low, high): (f64, f64)) -> f64 {
     (high - low).powi(2) / 12.0
 }
+
+/// How far values are to move, and the covariance of that.
+pub type Way = (Vec<f64>, Symmetric);
 
 /// What the pixels say about the values: the products of residuals and derivatives of independent halves, which have no bias from the noise
 /// of the rendering.
@@ -171,7 +174,7 @@ impl<'a> Scores<'a> {
         pulls.iter().any(|pull| *pull > SLACK).then(|| Weights {
             halves: self.weights.halves.each_ref().map(lighter),
             kept,
-            rounding: self.weights.rounding.clone(),
+            rounded: self.weights.rounded.clone(),
         })
     }
 
@@ -180,7 +183,7 @@ impl<'a> Scores<'a> {
     /// Noise that is as often too bright as too dark leaves nothing there. But a photograph whose few samples seldom find a small lamp is too dark
     /// in most pixels, and far too bright in some: these lead astray on the way, and are a part of the mean in the end. What only one half is off
     /// by is noise of the rendering, and more samples will mend it.
-    pub fn withheld(&self) -> Option<(Vec<f64>, Symmetric)> {
+    pub fn withheld(&self) -> Option<Way> {
         let (inverse, n) = (self.inverse.as_ref()?, self.prior.len());
         let sums = total(self.pixels(), n + n * n, |p, sums| {
             let more = 1.0 / self.weights.kept[p] as f64 - 1.0;
@@ -249,8 +252,8 @@ impl<'a> Scores<'a> {
         });
         let (mut all, own) = (sums[..n * n].to_vec(), &sums[n * n..]);
         // Residuals tell of the rounding of each value, but not that it is the same where the value is.
-        for tie in &self.sheet.ties {
-            add_square(&mut all, &self.rounded(inverse, tie));
+        for alike in self.weights.rounded.iter() {
+            add_square(&mut all, &self.rounded(inverse, alike));
         }
         // What as many steps again would do is not known either; what the pixels leave open, the bounds still tell.
         add_square(&mut all, &times(inverse, &self.scores()));
@@ -272,11 +275,11 @@ impl<'a> Scores<'a> {
         (0..3).map(|c| 0.5 * (followed(c, 0) + followed(c, 1))).sum()
     }
 
-    /// How far the rounding of values that are the same moves the values of the parameters.
-    fn rounded(&self, inverse: &[Vec<f64>], tie: &[(usize, usize)]) -> Vec<f64> {
+    /// How far the rounding of what is rounded alike moves the values of the parameters.
+    fn rounded(&self, inverse: &[Vec<f64>], alike: &Alike) -> Vec<f64> {
         let mut scores = vec![0.0; inverse.len()];
-        for &(p, c) in tie.iter().filter(|(p, _)| self.weights.kept[*p] == 1.0) {
-            let error = self.weights.rounding[p][c] as f64 * weight(&self.weights.halves, p, c);
+        for &(p, c, error) in alike.iter().filter(|value| self.weights.kept[value.0] == 1.0) {
+            let error = error as f64 * weight(&self.weights.halves, p, c);
             scores.iter_mut().enumerate().for_each(|(i, score)| *score += error * self.instrument(i, p, c));
         }
         times(inverse, &scores)
@@ -384,6 +387,9 @@ const SKEWED: f64 = 6.25;
 /// their squares is twice their product then.
 const AGREED: f64 = 2.0 / 3.0;
 
+/// The most of a pixel's error that values are taken to follow.
+const MOST_LEVERAGE: f64 = 0.95;
+
 /// The sum of independent differences in terms of its standard error, if their mean is next to nothing.
 pub fn in_standard_errors(differences: impl Iterator<Item = f64>) -> f64 {
     let (sum, squares) = differences.fold((0.0, 0.0), |(sum, squares), d| (sum + d, squares + d * d));
@@ -428,9 +434,6 @@ fn reached(inverse: &[Vec<f64>], slopes: &[Vec<f64>]) -> Vec<f64> {
     let part = |(i, row): (usize, &Vec<f64>)| row.iter().zip(slopes).map(|(x, slope)| x * slope[i]).sum::<f64>();
     inverse.iter().enumerate().map(|row| part(row).clamp(LEAST_REACHED, 1.0)).collect()
 }
-
-/// The most of a pixel's error that values are taken to follow.
-const MOST_LEVERAGE: f64 = 0.95;
 
 /// The least part that is reckoned with.
 const LEAST_REACHED: f64 = 0.05;

@@ -4,6 +4,7 @@ use super::Evidence;
 use crate::transport::Basis;
 use rayon::prelude::*;
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 /// Three numbers for each pixel that counts.
 pub type Channels = Vec<[f32; 3]>;
@@ -16,15 +17,18 @@ pub struct Weights {
     pub halves: [Channels; 2],
     /// The part of its pull that each pixel keeps: one that is held back pulls no harder when it is farther off.
     pub kept: Vec<f32>,
-    /// The standard deviation of what the rounding of the target's file does to each value, and alike to all that are the same.
-    pub rounding: Channels,
+    /// The values of the target that its file rounds, those together that it rounds alike.
+    pub rounded: Arc<[Alike]>,
 }
+
+/// Values that are the same: their pixels, their channels, and the standard deviation of what rounding does to all of them together.
+pub type Alike = Vec<(usize, usize, f32)>;
 
 impl Weights {
     /// Weights of pixels none of which is held back.
     pub fn new(halves: [Channels; 2]) -> Self {
-        let count = halves[0].len();
-        Self { halves, kept: vec![1.0; count], rounding: vec![[0.0; 3]; count] }
+        let kept = vec![1.0; halves[0].len()];
+        Self { halves, kept, rounded: Arc::new([]) }
     }
 
     /// The weights of those that are not held back.
@@ -42,8 +46,6 @@ pub struct Sheet<'a> {
     pub target: Channels,
     /// The place in `numbers` of each pixel of the film.
     places: Vec<u32>,
-    /// Pixels and channels whose values are the same, where the target's file has rounded them.
-    pub ties: Vec<Vec<(usize, usize)>>,
     /// The mean of the target's values.
     pub level: f64,
     /// Weights that make errors relative, from the target blurred: what a first look can go by.
@@ -61,8 +63,7 @@ impl<'a> Sheet<'a> {
         let level = target.iter().flatten().map(|&v| v as f64).sum::<f64>() / (3 * target.len()) as f64;
         let mut places = vec![u32::MAX; evidence.film.width * evidence.film.height];
         numbers.iter().enumerate().for_each(|(i, &n)| places[n] = i as u32);
-        let ties = if evidence.steps.is_some() { ties(&target) } else { Vec::new() };
-        let mut sheet = Self { evidence, numbers, target, places, ties, level, relative: Vec::new() };
+        let mut sheet = Self { evidence, numbers, target, places, level, relative: Vec::new() };
         sheet.relative = sheet.relatively();
         sheet
     }
@@ -165,19 +166,26 @@ impl<'a> Sheet<'a> {
         };
         let (both, kept): (Vec<_>, _) = (0..self.numbers.len()).map(weights).unzip();
         let halves = [0, 1].map(|half| both.iter().map(|w| w[half]).collect());
-        Weights { halves, kept, rounding: self.rounding(variances, photographed) }
+        Weights { halves, kept, rounded: self.rounded(variances, photographed) }
     }
 
-    /// The standard deviation of rounding where the noise of so many samples a pixel, which holds what rounding makes, does not make it err to both
-    /// sides (Schuchman 1964, "Dither signals and their effect on quantization noise").
-    fn rounding(&self, variances: &[Vec<[f64; 3]>; 2], photographed: f64) -> Channels {
+    /// The values that the target's file rounds alike, where the noise of so many samples a pixel, which holds what rounding makes, does not make
+    /// them err to both sides (Schuchman 1964, "Dither signals and their effect on quantization noise").
+    fn rounded(&self, variances: &[Vec<[f64; 3]>; 2], photographed: f64) -> Arc<[Alike]> {
+        let Some(steps) = self.evidence.steps else { return Arc::new([]) };
         let deviation = |i: usize, c: usize| {
-            let step = self.evidence.steps.map_or(0.0, |steps| steps[self.numbers[i]][c] as f64);
+            let step = steps[self.numbers[i]][c] as f64;
             let (square, noise) = (step * step / 12.0, 0.5 * (variances[0][i][c] + variances[1][i][c]) / photographed);
             let both_sides = -2.0 * (PI / step).powi(2) * (noise - square).max(0.0);
             if step > 0.0 { (square.sqrt() * both_sides.exp()) as f32 } else { 0.0 }
         };
-        (0..self.numbers.len()).map(|i| std::array::from_fn(|c| deviation(i, c))).collect()
+        let of_channel = |c: usize| {
+            let mut values: Alike = (0..self.numbers.len()).map(|i| (i, c, deviation(i, c))).filter(|value| value.2 > 0.0).collect();
+            values.sort_by_key(|value| self.target[value.0][c].to_bits());
+            let alike = values.chunk_by(|a, b| self.target[a.0][c] == self.target[b.0][c]);
+            alike.filter(|alike| alike.len() > 1).map(<[_]>::to_vec).collect::<Vec<_>>()
+        };
+        (0..3).flat_map(of_channel).collect()
     }
 
     /// How many samples a pixel of the target seems to hold, from what is left of it: what a photograph lacks in noise it has in misfit.
@@ -192,17 +200,6 @@ impl<'a> Sheet<'a> {
         }
         (noise / rest.max(f64::MIN_POSITIVE)).clamp(TARGET_SAMPLES.0, TARGET_SAMPLES.1)
     }
-}
-
-/// The places of values that are the same, by channel.
-fn ties(target: &Channels) -> Vec<Vec<(usize, usize)>> {
-    let of_channel = |c: usize| {
-        let mut pixels: Vec<usize> = (0..target.len()).collect();
-        pixels.sort_unstable_by_key(|&i| target[i][c].to_bits());
-        let alike = pixels.chunk_by(|&a, &b| target[a][c] == target[b][c]).filter(|alike| alike.len() > 1);
-        alike.map(|alike| alike.iter().map(|&i| (i, c)).collect()).collect::<Vec<_>>()
-    };
-    (0..3).flat_map(of_channel).collect()
 }
 
 /// How much a channel of a pixel counts in both halves together.
