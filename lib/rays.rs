@@ -11,6 +11,8 @@ pub use fields::{Fields, Space};
 pub use teller::{Teller, lengths};
 
 use crate::error::{Error, Result};
+use crate::geometry::Ray;
+use crate::vector::Vec3;
 use std::io::{BufRead, ErrorKind};
 
 /// How numbers are written.
@@ -88,6 +90,23 @@ fn words(text: &[u8]) -> Option<([f64; 6], usize)> {
         rest = behind;
     }
     Some((numbers, text.len() - rest.len()))
+}
+
+/// A ray that is asked about.
+#[derive(Clone, Copy, Debug)]
+pub struct Asked {
+    /// The ray; its direction is zero if that given has no length.
+    pub ray: Ray,
+    /// The length of the direction given.
+    pub length: f64,
+}
+
+impl Asked {
+    /// What six numbers ask: an origin and a direction of any length.
+    pub fn new([x, y, z, dx, dy, dz]: [f64; 6]) -> Self {
+        let direction = Vec3::new(dx, dy, dz);
+        Self { ray: Ray::new(Vec3::new(x, y, z), direction.normalize_or_zero()), length: direction.length() }
+    }
 }
 
 /// Rays from a stream: six numbers each, an origin and a direction.

@@ -2,7 +2,7 @@
 
 use super::{Console, Outcome, Output};
 use crate::picture::SOFTWARE;
-use crate::rays::{Form, Reader, Space, Teller};
+use crate::rays::{Asked, Form, Reader, Space, Teller};
 use crate::render::Budget;
 use rayon::prelude::*;
 use std::io::{self, BufReader};
@@ -40,17 +40,19 @@ pub fn answer(mut teller: Teller, stream: &Stream, console: &Console) -> Outcome
     };
     let mut reader = Reader::new(BufReader::with_capacity(CHUNK, io::stdin().lock()), teller.format.input);
     let mut number = 0;
-    let mut last = [0.0; 6];
+    let mut last = Asked::new([0.0; 6]);
     let all = if let Budget::Time(_) = teller.budget { usize::MAX } else { BATCH };
     let mut trouble = None;
+    let mut batch = Vec::new();
     while left != Some(0) && trouble.is_none() {
         let most = (if flushed { stream.x } else { all }).min(left.unwrap_or(u64::MAX).try_into().unwrap_or(usize::MAX));
-        let (mut batch, mut asked) = (Vec::new(), false);
+        let mut asked = false;
+        batch.clear();
         while batch.len() < most && !asked {
             match reader.read() {
                 Ok(Some(ray)) => {
                     asked = ray[3..] == [0.0; 3];
-                    batch.push(ray);
+                    batch.push(Asked::new(ray));
                 }
                 Ok(None) => break,
                 Err(error) => {
@@ -69,7 +71,7 @@ pub fn answer(mut teller: Teller, stream: &Stream, console: &Console) -> Outcome
         let records = rays.par_iter().enumerate().fold(
             || teller.writer(),
             |mut writer, (i, ray)| {
-                teller.tell(*ray, number + i as u64, &mut writer);
+                teller.tell(ray, number + i as u64, &mut writer);
                 writer
             },
         );
@@ -77,7 +79,7 @@ pub fn answer(mut teller: Teller, stream: &Stream, console: &Console) -> Outcome
         last = *rays.last().unwrap_or(&last);
         if asked {
             let mut writer = teller.writer();
-            teller.empty(last, &mut writer);
+            teller.empty(&last, &mut writer);
             output.write(&writer.bytes)?;
         }
         number += batch.len() as u64;

@@ -106,6 +106,12 @@ impl Fields {
         self.ray.iter().any(|f| matches!(f, Effective | Mirrored | MirroredLength | Unmirrored | UnmirroredLength))
     }
 
+    /// Whether what the ray meets first must be found.
+    pub fn needs_first(&self) -> bool {
+        use Field::*;
+        self.ray.iter().any(|f| matches!(f, Length | Local | Point | Normal | Unperturbed | Surface | Modifier | Material))
+    }
+
     /// Whether what a surface is made of must be looked at.
     pub fn needs_layers(&self) -> bool {
         self.ray.iter().any(|f| matches!(f, Field::Normal | Field::Local))

@@ -1,8 +1,8 @@
 //! The record of a ray: what it meets, and the light that it brings.
 
 use super::fields::{Field, Fields, Space, Writer};
-use super::tree::{FAR, Fate, Met, Tree, met};
-use super::{Form, Format};
+use super::tree::{FAR, Fate, Met, Tree, met, nothing};
+use super::{Asked, Form, Format};
 use crate::color::Rgb;
 use crate::geometry::Ray;
 use crate::integrator::{Integrator, Radiance};
@@ -39,10 +39,18 @@ pub struct Teller<'w> {
 const ABOVE: f64 = 1e-4;
 const BEFORE: f64 = 1e-5;
 
+impl Asked {
+    /// Where irradiance on the side of the direction is measured, and the ray that stands for it.
+    fn facing(&self) -> (Vec3, Ray) {
+        let Ray { origin, direction } = self.ray;
+        (origin + direction * ABOVE, Ray::new(origin + direction * (ABOVE + BEFORE), -direction))
+    }
+}
+
 /// What is known of a ray in the end.
-struct Record<'w> {
-    ray: Ray,
-    met: Met<'w>,
+struct Record<'a, 'w> {
+    ray: &'a Ray,
+    met: &'a Met<'w>,
     fate: Fate,
     weight: f64,
     coefficient: Rgb,
@@ -56,69 +64,71 @@ impl<'w> Teller<'w> {
     }
 
     /// Writes the record of a ray; `number` makes its random choices its own.
-    pub fn tell(&self, ray: [f64; 6], number: u64, writer: &mut Writer) {
-        let (origin, direction) = (Vec3::new(ray[0], ray[1], ray[2]), Vec3::new(ray[3], ray[4], ray[5]));
-        let Some(unit) = direction.try_normalize() else { return self.empty(ray, writer) };
-        let record = if self.irradiance {
-            self.irradiance(origin, unit, number)
-        } else {
-            let limit = if self.limited { direction.length() } else { f64::INFINITY };
-            self.radiance(Ray::new(origin, unit), limit, number, writer)
-        };
-        self.write(writer, &self.fields.ray, &record);
-    }
-
-    /// Writes the record that answers a ray without direction: that of a ray like the one before it, which met nothing.
-    pub fn empty(&self, before: [f64; 6], writer: &mut Writer) {
-        let [x, y, z, dx, dy, dz] = before;
-        let (origin, direction) = (Vec3::new(x, y, z), Vec3::new(dx, dy, dz).normalize_or_zero());
-        let ray = if self.irradiance { Ray::new(origin + direction * (ABOVE + BEFORE), -direction) } else { Ray::new(origin, direction) };
-        self.write(writer, &self.fields.ray, &nothing(ray));
-    }
-
-    /// The irradiance at a point on the side of a direction.
-    fn irradiance(&self, origin: Vec3, normal: Vec3, number: u64) -> Record<'w> {
-        let point = origin + normal * ABOVE;
-        let mut record = nothing(Ray::new(origin + normal * (ABOVE + BEFORE), -normal));
-        let mut integrator = Integrator::new(self.world, self.rules);
-        let pixel = Pixel::converged(self.budget, self.seed, number, |sampler| {
-            let mut light = Radiance { rules: self.rules, sum: Rgb::ZERO };
-            let outcome = integrator.irradiance(&mut light, point, normal, sampler);
-            (light.sum, outcome)
-        });
-        (record.met.point, record.met.length) = (point, BEFORE);
-        record.fate = Fate { light: pixel.mean(), unmirrored_length: BEFORE, ..record.fate };
-        Record { contribution: pixel.mean(), ..record }
-    }
-
-    /// What a ray meets and brings, and the records of the rays that it leads to, if they are wanted.
-    fn radiance(&self, ray: Ray, limit: f64, number: u64, writer: &mut Writer) -> Record<'w> {
+    pub fn tell(&self, asked: &Asked, number: u64, writer: &mut Writer) {
+        if asked.ray.direction == Vec3::ZERO {
+            return self.empty(asked, writer);
+        }
+        if self.irradiance {
+            return self.irradiance(asked, number, writer);
+        }
+        let (ray, limit) = (&asked.ray, if self.limited { asked.length } else { f64::INFINITY });
         if !self.fields.every.is_empty() {
             return self.every(ray, limit, number, writer);
         }
-        let mut record = nothing(ray);
-        record.met = self.first(&ray, limit);
-        if self.fields.needs_branches() {
-            let mut tree = Tree::new(self.world, self.rules, false);
-            let mut integrator = Integrator::new(self.world, self.rules);
-            let pixel = Pixel::converged(self.budget, self.seed, number, |sampler| {
-                let before = tree.sum();
-                let outcome = integrator.trace(&mut tree, ray, limit, sampler);
-                (tree.sum() - before, outcome)
-            });
-            let fate = tree.fate(0);
-            let mean = 1.0 / pixel.samples().max(1) as f64;
-            record.fate = Fate { light: fate.light * mean, mirrored: fate.mirrored * mean, ..fate };
+        let met = &if self.fields.needs_first() { self.first(ray, limit) } else { nothing(ray) };
+        let fate = if self.fields.needs_branches() {
+            self.branches(ray, limit, number)
         } else if self.fields.needs_light() {
-            let mut integrator = Integrator::new(self.world, self.rules);
-            let pixel = Pixel::converged(self.budget, self.seed, number, |sampler| {
-                let mut light = Radiance { rules: self.rules, sum: Rgb::ZERO };
-                let outcome = integrator.trace(&mut light, ray, limit, sampler);
-                (light.sum, outcome)
-            });
-            record.fate.light = pixel.mean();
-        }
-        Record { contribution: record.fate.light, ..record }
+            Fate { light: self.light(ray, limit, number), ..DARK }
+        } else {
+            DARK
+        };
+        self.write(writer, &self.fields.ray, &whole(ray, met, fate));
+    }
+
+    /// Writes the record that answers a ray without direction: that of a ray like the one before it, which met nothing.
+    pub fn empty(&self, before: &Asked, writer: &mut Writer) {
+        let ray = if self.irradiance { before.facing().1 } else { before.ray };
+        self.write(writer, &self.fields.ray, &whole(&ray, &nothing(&ray), DARK));
+    }
+
+    /// Writes the record of the irradiance at a point on the side of a direction.
+    fn irradiance(&self, asked: &Asked, number: u64, writer: &mut Writer) {
+        let (point, ray) = asked.facing();
+        let mut integrator = Integrator::new(self.world, self.rules);
+        let pixel = Pixel::converged(self.budget, self.seed, number, |sampler| {
+            let mut light = Radiance { rules: self.rules, sum: Rgb::ZERO };
+            let outcome = integrator.irradiance(&mut light, point, asked.ray.direction, sampler);
+            (light.sum, outcome)
+        });
+        let met = Met { point, length: BEFORE, ..nothing(&ray) };
+        let fate = Fate { light: pixel.mean(), unmirrored_length: BEFORE, ..DARK };
+        self.write(writer, &self.fields.ray, &whole(&ray, &met, fate));
+    }
+
+    /// The light that a ray brings, by way of mirrors and without, and how long these ways are.
+    fn branches(&self, ray: &Ray, limit: f64, number: u64) -> Fate {
+        let mut tree = Tree::new(self.world, self.rules, false);
+        let mut integrator = Integrator::new(self.world, self.rules);
+        let pixel = Pixel::converged(self.budget, self.seed, number, |sampler| {
+            let before = tree.sum();
+            let outcome = integrator.trace(&mut tree, *ray, limit, sampler);
+            (tree.sum() - before, outcome)
+        });
+        let fate = tree.fate(0);
+        let mean = 1.0 / pixel.samples().max(1) as f64;
+        Fate { light: fate.light * mean, mirrored: fate.mirrored * mean, ..fate }
+    }
+
+    /// The light that a ray brings.
+    fn light(&self, ray: &Ray, limit: f64, number: u64) -> Rgb {
+        let mut integrator = Integrator::new(self.world, self.rules);
+        let pixel = Pixel::converged(self.budget, self.seed, number, |sampler| {
+            let mut light = Radiance { rules: self.rules, sum: Rgb::ZERO };
+            let outcome = integrator.trace(&mut light, *ray, limit, sampler);
+            (light.sum, outcome)
+        });
+        pixel.mean()
     }
 
     /// What a ray meets first.
@@ -138,25 +148,23 @@ impl<'w> Teller<'w> {
         first
     }
 
-    /// Writes the records of all rays that a ray leads to, sample by sample, each before the one that it comes from.
-    fn every(&self, ray: Ray, limit: f64, number: u64, writer: &mut Writer) -> Record<'w> {
+    /// Writes the records of all rays that a ray leads to, sample by sample, each before the one that it comes from; its own at last.
+    fn every(&self, ray: &Ray, limit: f64, number: u64, writer: &mut Writer) {
         let mut integrator = Integrator::new(self.world, self.rules);
         let samples = if let Budget::Samples(samples) = self.budget { samples } else { 1 };
-        let mut last = nothing(ray);
-        let mut light = Rgb::ZERO;
+        let mut sum = Rgb::ZERO;
         for index in 0..samples {
             let mut tree = Tree::new(self.world, self.rules, true);
-            let outcome = integrator.trace(&mut tree, ray, limit, Sampler::new(self.seed, number, 0, index));
+            let outcome = integrator.trace(&mut tree, *ray, limit, Sampler::new(self.seed, number, 0, index));
             self.descend(&tree, 0, 0, writer);
-            last = record(&tree, 0);
-            light += tree.sum();
-            if !outcome.random {
-                (light, last.fate.light) = (tree.sum(), tree.sum());
-                return Record { contribution: light, ..last };
+            sum += tree.sum();
+            if index + 1 == samples || !outcome.random {
+                let light = if outcome.random { sum / samples as f64 } else { tree.sum() };
+                let own = record(&tree, 0);
+                let fate = Fate { light, ..own.fate };
+                return self.write(writer, &self.fields.ray, &Record { fate, contribution: light, ..own });
             }
         }
-        last.fate.light = light / samples as f64;
-        Record { contribution: last.fate.light, ..last }
     }
 
     fn descend(&self, tree: &Tree<'w>, node: usize, level: usize, writer: &mut Writer) {
@@ -215,21 +223,22 @@ pub fn lengths(task: &Task) -> Vec<f64> {
     (0..task.count).into_par_iter().map(length).collect()
 }
 
-/// The record of a ray that meets nothing.
-fn nothing<'w>(ray: Ray) -> Record<'w> {
-    let met = Met { length: FAR, point: ray.origin, normal: Vec3::ZERO, unperturbed: Vec3::ZERO, local: [0.0; 2], names: None };
-    let fate = Fate { light: Rgb::ZERO, mirrored: Rgb::ZERO, mirrored_length: FAR, unmirrored_length: FAR };
-    Record { ray, met, fate, weight: 1.0, coefficient: Rgb::ONE, contribution: Rgb::ZERO }
+/// What becomes of a ray that finds no light.
+const DARK: Fate = Fate { light: Rgb::ZERO, mirrored: Rgb::ZERO, mirrored_length: FAR, unmirrored_length: FAR };
+
+/// The record of a ray that was asked about.
+fn whole<'a, 'w>(ray: &'a Ray, met: &'a Met<'w>, fate: Fate) -> Record<'a, 'w> {
+    Record { ray, met, fate, weight: 1.0, coefficient: Rgb::ONE, contribution: fate.light }
 }
 
 /// The record of a ray in a tree: its light is what it brings, its contribution what that comes to at the viewer.
-fn record<'w>(tree: &Tree<'w>, node: usize) -> Record<'w> {
+fn record<'a, 'w>(tree: &'a Tree<'w>, node: usize) -> Record<'a, 'w> {
     let (fate, at) = (tree.fate(node), &tree.nodes[node]);
     let own = |light: Rgb| Rgb::select(at.coefficient.cmpeq(Rgb::ZERO), Rgb::ZERO, light / at.coefficient);
     let coefficient = if tree.missed(node) { Rgb::ZERO } else { at.coefficient };
     Record {
-        ray: at.ray,
-        met: at.met,
+        ray: &at.ray,
+        met: &at.met,
         contribution: fate.light,
         fate: Fate { light: own(fate.light), mirrored: own(fate.mirrored), ..fate },
         weight: at.weight,

@@ -174,18 +174,22 @@ impl<'w> Tree<'w> {
     }
 }
 
+/// What a ray meets that meets nothing.
+pub fn nothing<'w>(ray: &Ray) -> Met<'w> {
+    Met { length: FAR, point: ray.origin, normal: Vec3::ZERO, unperturbed: Vec3::ZERO, local: [0.0; 2], names: None }
+}
+
 /// What a ray of the limit `limit` meets first; the normal is its own until a layer says otherwise.
 pub fn met<'w>(world: &'w World, ray: &Ray, hit: Option<&crate::accel::Hit>, limit: f64) -> Met<'w> {
-    let nothing = Met { length: FAR, point: ray.origin, normal: Vec3::ZERO, unperturbed: Vec3::ZERO, local: [0.0; 2], names: None };
     match hit {
         Some(hit) => {
             let names = Some(world.names(hit));
-            Met { length: hit.t, point: hit.point, normal: hit.normal, unperturbed: hit.normal, names, ..nothing }
+            Met { length: hit.t, point: hit.point, normal: hit.normal, unperturbed: hit.normal, names, local: [0.0; 2] }
         }
-        None if limit.is_finite() => Met { point: ray.at(limit), ..nothing },
+        None if limit.is_finite() => Met { point: ray.at(limit), ..nothing(ray) },
         None => match world.source_names(ray.direction) {
-            Some(names) => Met { normal: -ray.direction, unperturbed: -ray.direction, names: Some(names), ..nothing },
-            None => nothing,
+            Some(names) => Met { normal: -ray.direction, unperturbed: -ray.direction, names: Some(names), ..nothing(ray) },
+            None => nothing(ray),
         },
     }
 }

@@ -60,11 +60,12 @@ impl Pixel {
     /// Takes samples until the pixel by itself is what the budget asks for. `pixel` is its number; `sample` gives the light of one sample.
     /// All [`GROUPS`] are scrambled independently here: nothing else tells the error.
     pub fn converged(budget: Budget, seed: u64, pixel: u64, mut sample: impl FnMut(Sampler) -> (Rgb, Outcome)) -> Self {
-        let (start, mut so_far) = (Instant::now(), Self::default());
+        let start = matches!(budget, Budget::Time(_)).then(Instant::now);
+        let mut so_far = Self::default();
         for index in 0..MOST {
             let done = match budget {
                 Budget::Samples(samples) => index >= samples,
-                Budget::Time(time) => index > 0 && start.elapsed() >= time,
+                Budget::Time(time) => index > 0 && start.is_some_and(|start| start.elapsed() >= time),
                 Budget::Error(error) => {
                     index >= FEWEST
                         && index.is_multiple_of(GROUPS as u32)
@@ -177,8 +178,8 @@ impl Pixel {
 
     /// The estimated radiance.
     pub fn mean(&self) -> Rgb {
-        let count = self.means().count();
-        self.means().sum::<Rgb>() / count.max(1) as f64
+        let sampled = self.counts.iter().filter(|&&count| count > 0).count();
+        self.means().sum::<Rgb>() / sampled.max(1) as f64
     }
 
     /// The estimated variance of [`Pixel::mean`] in a picture, of each channel and of the luminance, by the distance of its independent
