@@ -4,6 +4,7 @@
 //! the pixels tell how far it can be trusted (Sun and Wu 2002, section 5; the basis makes a χ² cost microseconds).
 
 pub mod answer;
+mod average;
 mod clear;
 pub mod doubts;
 mod drift;

@@ -99,6 +99,10 @@ impl Model for Stage<'_> {
         values
     }
 
+    fn doubtful(&self, _: &[f64]) -> Option<(usize, Vec<f64>)> {
+        None
+    }
+
     fn glints(&self) -> bool {
         true
     }

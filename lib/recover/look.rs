@@ -26,6 +26,10 @@ pub trait Model: Sync {
     /// The nearest values at which the model can be trusted.
     fn trusted(&self, values: &[f64]) -> Vec<f64>;
 
+    /// A value whose derivative is so much noise that its standard error says little, and all that it may be, rising, as far as the model goes;
+    /// `None` if there is none.
+    fn doubtful(&self, clarity: &[f64]) -> Option<(usize, Vec<f64>)>;
+
     /// Whether few samples hold much of the light of a pixel: what is held back is then missed.
     fn glints(&self) -> bool;
 
@@ -120,7 +124,8 @@ impl Look<'_> {
                 let found = self.moved(found, withheld.filter(|_| !strayed), model);
                 let share = time.min(PICTURES);
                 let drift = (drifts && share > LATE).then(|| self.drift(&sheet, model, &basis, &found.values, share, seeds));
-                return self.moved(found, drift, model);
+                let found = self.moved(found, drift, model);
+                return if strayed || self.effort.quick { found } else { self.averaged(found, &sheet, model, &basis) };
             }
             best.clone_from(&found.values);
             model.tune(&best, Some(&found.errors()));

@@ -24,13 +24,16 @@ const ANISOTROPIC_NODES: (usize, f64) = (8, 1.3);
 /// The first look: about so many pixels, samples of each in each half, and roughnesses from which directions are drawn.
 const FIRST_PIXELS: usize = 640;
 const FIRST_SAMPLES: u32 = 16;
-const FIRST_PROPOSALS: usize = 5;
+const WIDE_PROPOSALS: usize = 5;
 
-/// What of the derivative by a roughness must not be noise for it to be trusted; and samples of a first look that knows that it may err.
+/// What of the derivative by a roughness must not be noise for it to be trusted; and the part of itself that its error may be for the nodes of a
+/// closer look to hold all that it may be.
 const DOUBTFUL: f64 = 0.2;
-const SECOND_SAMPLES: u32 = 128;
-/// By how many standard errors one of two places must be better to be the right one.
-const SURE: f64 = 2.0;
+const HELD: f64 = 0.4;
+
+/// Where they do not, all roughnesses are looked at once more: the most pixels, and the samples of all of them in each half.
+const LAST_PIXELS: usize = 2000;
+const LAST_SAMPLES: usize = 400_000;
 
 /// Evaluations of the annealing.
 const STEPS: usize = 2000;
@@ -75,8 +78,11 @@ struct Stage<'a> {
     /// Roughnesses of the nodes.
     grid: Grid,
     what: transport::Unknown,
-    /// The roughnesses that directions are drawn around.
+    /// The roughness as far as is known, and those that directions are drawn around: as much rougher as it may be, since narrower ones tell little.
+    near: [f64; 2],
     middle: [f64; 2],
+    /// Its errors, as known before.
+    errors: [f64; 2],
     /// The coefficients of the columns of each channel, as far as is known.
     guess: Option<[Vec<f64>; 3]>,
 }
@@ -86,7 +92,25 @@ impl<'a> Stage<'a> {
     fn new(evidence: &'a Evidence<'a>, unknown: &'a Unknown, material: MaterialId, kind: Kind, grid: Grid, proposals: Vec<Alpha>) -> Self {
         let middle = grid.each_ref().map(|nodes| nodes[nodes.len() / 2]);
         let rough = Rough::new(material, kind.metal, kind.transmits, alphas(kind, &grid), proposals);
-        Self { evidence, unknown, kind, grid, what: transport::Unknown::Rough(Box::new(rough)), middle, guess: None }
+        Self {
+            evidence,
+            unknown,
+            kind,
+            grid,
+            what: transport::Unknown::Rough(Box::new(rough)),
+            near: middle,
+            middle,
+            errors: [0.0; 2],
+            guess: None,
+        }
+    }
+
+    /// Takes the values for the true ones where they only decide what is worth how many samples.
+    fn know(&mut self, values: &[f64], control: bool) {
+        let guess = parts(self.kind, &self.unknown.reals(values)).map(Rgb::from);
+        let transport::Unknown::Rough(rough) = &mut self.what else { unreachable!() };
+        (rough.guess, rough.control) = (Some(guess), control);
+        self.guess = Some(self.coefficients(values));
     }
 
     /// Whether the roughness is small.
@@ -94,19 +118,28 @@ impl<'a> Stage<'a> {
         self.middle[0].max(self.middle[1]) < SHARP
     }
 
+    /// The places among the parameters of the roughnesses along the two tangents; `None` for what is not one.
+    fn axis_slots(&self) -> [Option<usize>; 2] {
+        axis_slots(self.kind, self.unknown)
+    }
+
     /// The axes whose roughness is unknown, and its place among the parameters.
     fn axes(&self) -> impl Iterator<Item = (usize, usize)> {
         let count = if self.kind.anisotropic { 2 } else { 1 };
-        self.unknown.slots()[4..4 + count].iter().enumerate().filter_map(|(axis, slot)| Some((axis, (*slot)?)))
+        self.axis_slots().into_iter().take(count).enumerate().filter_map(|(axis, slot)| Some((axis, slot?)))
     }
 }
 
-/// From where to where a roughness may move among rising nodes when directions are drawn around `middle`: from the nearest node where that lies
-/// beyond them, as it does when the surface seems smoother than any.
-fn reach(nodes: &[f64], middle: f64) -> (f64, f64) {
+/// From where to where a roughness may move among rising nodes when it is `near` and directions are drawn around `middle`, which is no less: from
+/// the nearest node where that lies beyond them, as it does when the surface seems smoother than any.
+fn reach(nodes: &[f64], near: f64, middle: f64) -> (f64, f64) {
     let (first, last) = (nodes[0], nodes[nodes.len() - 1]);
-    let middle = middle.clamp(first, last);
-    (first.max(middle / REACH), last.min(middle * REACH))
+    (first.max(near.clamp(first, last) / REACH), last.min(middle.clamp(first, last) * REACH))
+}
+
+/// The places among the parameters of the roughnesses along the two tangents; `None` for what is not one.
+fn axis_slots(kind: Kind, unknown: &Unknown) -> [Option<usize>; 2] {
+    [4, if kind.anisotropic { 5 } else { 4 }].map(|argument| unknown.slots()[argument])
 }
 
 /// The roughnesses along the two tangents that the real arguments `a` say.
@@ -116,17 +149,17 @@ fn roughness(kind: Kind, a: &[f64]) -> [f64; 2] {
 
 impl Model for Stage<'_> {
     fn tune(&mut self, values: &[f64], errors: Option<&[f64]>) {
-        let a = self.unknown.reals(values);
-        let middle = roughness(self.kind, &a);
-        self.middle = middle;
-        let known = self.axes().all(|(axis, slot)| errors.is_some_and(|e| e[slot] < KNOWN * middle[axis]));
-        let sharp = self.sharp();
+        let near = roughness(self.kind, &self.unknown.reals(values));
+        let known = self.axes().all(|(axis, slot)| errors.is_some_and(|e| e[slot] < KNOWN * near[axis]));
+        let errors = self.axis_slots().map(|slot| slot.zip(errors).map_or(0.0, |(slot, errors)| errors[slot]));
+        // An error that is large twice is so; once it may be chance.
+        let beyond = |axis: usize| near[axis].hypot(errors[axis].min(self.errors[axis])).min(self.grid[axis][self.grid[axis].len() - 1]);
+        (self.middle, self.near, self.errors) = ([0, 1].map(beyond), near, errors);
+        let middle = self.middle;
         let factors: &[f64] = if known { &NARROW } else { &WIDE };
         let transport::Unknown::Rough(rough) = &mut self.what else { unreachable!() };
         rough.propose(factors.iter().map(|f| middle.map(|m| (f * m).powi(2))).collect());
-        rough.control = sharp;
-        rough.guess = Some(parts(self.kind, &a).map(Rgb::from));
-        self.guess = Some(self.coefficients(values));
+        self.know(values, self.sharp());
     }
 
     fn trace(&self, pixels: &[usize], samples: &[u32], seed: u64) -> Basis {
@@ -143,10 +176,15 @@ impl Model for Stage<'_> {
     fn trusted(&self, values: &[f64]) -> Vec<f64> {
         let mut values = values.to_vec();
         for (axis, slot) in self.axes() {
-            let (low, high) = reach(&self.grid[axis], self.middle[axis]);
+            let (low, high) = reach(&self.grid[axis], self.near[axis], self.middle[axis]);
             values[slot] = values[slot].clamp(low, high);
         }
         values
+    }
+
+    fn doubtful(&self, clarity: &[f64]) -> Option<(usize, Vec<f64>)> {
+        let least = self.axes().min_by(|a, b| clarity[a.1].total_cmp(&clarity[b.1]));
+        least.filter(|(_, slot)| clarity[*slot] < DOUBTFUL).map(|(axis, slot)| (slot, self.grid[axis].clone()))
     }
 
     fn glints(&self) -> bool {
@@ -204,48 +242,47 @@ pub fn recover(
     some.truncate(FIRST_PIXELS);
     let sheet = Sheet::new(evidence, &some);
     let known = roughness(kind, &unknown.material().reals);
-    let range = |axis: usize| {
-        let slot = unknown.slots()[if kind.anisotropic { 4 + axis } else { 4 }];
-        let (low, high) = slot.map_or((known[axis], known[axis]), |i| bounds[i]);
+    let slots = axis_slots(kind, unknown);
+    let [u, v] = [0, 1].map(|axis| {
+        let (low, high) = slots[axis].map_or((known[axis], known[axis]), |i| bounds[i]);
         (low.max(SMOOTHEST), high.max(SMOOTHEST * 1.5).max(low * 1.01))
+    });
+    let wide = || {
+        let proposals = geometric(u.0.min(v.0).max(2.0 * SMOOTHEST), u.1.max(v.1), WIDE_PROPOSALS).iter().map(|a| [a * a; 2]).collect();
+        Stage::new(evidence, unknown, material, kind, [u, v].map(|(low, high)| geometric(low, high, nodes.0)), proposals)
     };
-    let [u, v] = [range(0), range(1)];
-    let first = |samples: u32, seed: u64| {
-        tell("first look");
-        let proposals = geometric(u.0.min(v.0).max(2.0 * SMOOTHEST), u.1.max(v.1), FIRST_PROPOSALS).iter().map(|a| [a * a; 2]).collect();
-        let stage = Stage::new(evidence, unknown, material, kind, [u, v].map(|(low, high)| geometric(low, high, nodes.0)), proposals);
-        let basis = stage.trace(sheet.numbers, &vec![samples; 2 * sheet.numbers.len()], seed);
-        let gram = Gram::new(&basis, &sheet.target, &sheet.relative);
-        search(&Problem { gram: &gram, coefficients: &|v| stage.coefficients(v), bounds: &bounds }, &stage, effort.seed)
-    };
-    let mut best = first(FIRST_SAMPLES, seeds.next())?;
+    let trace =
+        |stage: &Stage, sheet: &Sheet, samples: u32, seed: u64| stage.trace(sheet.numbers, &vec![samples; 2 * sheet.numbers.len()], seed);
+    tell("first look");
+    let stage = wide();
+    let gram = Gram::new(&trace(&stage, &sheet, FIRST_SAMPLES, seeds.next()), &sheet.target, &sheet.relative);
+    let mut best = search(&Problem { gram: &gram, coefficients: &|v| stage.coefficients(v), bounds: &bounds }, &stage, effort.seed)?;
 
-    // Closer looks, each around the answer of the one before, until it stays well inside. Where the roughness hardly tells there, a second first
-    // look with more samples may know a better place.
+    // Closer looks, each around the answer of the one before, until it stays well inside.
     let begin = Instant::now();
-    let mut doubtful: Option<Recovery> = None;
     for look in 1.. {
         tell(&format!("look {look}: {best:.4?}"));
         let grid = roughness(kind, &unknown.reals(&best)).map(|middle| around(middle, nodes));
         let mut stage = Stage::new(evidence, unknown, material, kind, grid, vec![]);
-        let found =
-            Look { evidence, pixels, parameters: unknown.parameters(), bounds: &bounds, effort: &effort }.at(&mut stage, &best, &mut seeds);
+        let closer = Look { evidence, pixels, parameters: unknown.parameters(), bounds: &bounds, effort: &effort };
+        let found = closer.at(&mut stage, &best, &mut seeds);
         let last = look == MOST_LOOKS || !effort.affords_another(begin, look);
         if !last && !stage.holds(&found.values) {
             best = found.values;
-        } else if !last && doubtful.is_none() && stage.axes().any(|(_, slot)| found.clarity[slot] < DOUBTFUL) {
-            best = first(SECOND_SAMPLES, seeds.next())?;
-            doubtful = Some(found);
-        } else {
-            let Some(before) = doubtful else { return Ok(found) };
-            let excess = before.excess(&found);
-            let (mut better, other) = if excess > 0.0 { (found, before) } else { (before, found) };
-            // Where the picture does not tell which, it may be either.
-            for (_, slot) in stage.axes().filter(|_| excess.abs() < SURE) {
-                better.covariance.set(slot, slot, better.covariance.at(slot, slot) + (better.values[slot] - other.values[slot]).powi(2));
-            }
-            return Ok(better);
+            continue;
         }
+        let held = |slot: usize| found.errors()[slot] <= HELD * found.values[slot].abs();
+        if last || stage.doubtful(&found.clarity).is_none_or(|(slot, _)| held(slot)) {
+            return Ok(found);
+        }
+        tell("last look");
+        let mut some = scattered(pixels, evidence.film.width);
+        some.truncate(LAST_PIXELS);
+        let sheet = Sheet::new(evidence, &some);
+        let mut stage = wide();
+        stage.know(&found.values, true);
+        let basis = trace(&stage, &sheet, (LAST_SAMPLES / some.len()) as u32, seeds.next());
+        return Ok(closer.averaged(found, &sheet, &stage, &basis));
     }
     unreachable!()
 }
@@ -305,9 +342,9 @@ mod tests {
     #[test]
     fn a_roughness_has_somewhere_to_move_wherever_directions_are_drawn() {
         let nodes = around(0.02, NODES);
-        assert_eq!(reach(&nodes, 0.02), (0.01, 0.04));
+        assert_eq!(reach(&nodes, 0.02, 0.02), (0.01, 0.04));
         for middle in [SMOOTHEST, nodes[0], 0.02, nodes[15], 1.0] {
-            let (low, high) = reach(&nodes, middle);
+            let (low, high) = reach(&nodes, middle, middle);
             assert!(nodes[0] <= low && low < high && high <= nodes[15], "{middle}: {low} to {high}");
         }
     }

@@ -12,6 +12,7 @@ pub type Channels = Vec<[f32; 3]>;
 pub type Half = Vec<[f64; 3]>;
 
 /// How much pixels count.
+#[derive(Clone)]
 pub struct Weights {
     /// In each half.
     pub halves: [Channels; 2],
