@@ -4,8 +4,8 @@ mod photograph;
 #[path = "photograph/said.rs"]
 mod said;
 
-use photograph::{photographed, run};
-use said::said;
+use photograph::photographed;
+use said::{recovered, said};
 use std::fs;
 
 #[test]
@@ -16,8 +16,7 @@ fn a_start_without_direction_does_not_lose_it() {
         photographed("plastic2 it 4 .3 .2 1 . 0 6 .5 .3 .2 .1 .08 .25", scene, "-x 48 -y 48 --spp 256 --seed 5 -ab 1 -o target.hdr");
     let path = directory.path();
     fs::write(path.join("start.rad"), "void plastic2 it 4 .3 .2 1 . 0 6 .5 .5 .5 .1 .15 .15\n").unwrap();
-    let done = run(env!("CARGO_BIN_EXE_anneal"), path, "-q -ab 1 --scene scene.rad --target target.hdr start.rad");
-    let out = String::from_utf8(done.stdout).unwrap();
+    let out = recovered(path, "-q -ab 1 --scene scene.rad --target target.hdr start.rad");
     let value = |name: &str| said(&out, name).0;
     assert!((value("urough") - 0.08).abs() < 0.01 && (value("vrough") - 0.25).abs() < 0.02, "{out}");
 }

@@ -5,8 +5,8 @@ mod photograph;
 #[path = "photograph/said.rs"]
 mod said;
 
-use photograph::{photographed, run};
-use said::said;
+use photograph::photographed;
+use said::{recovered, said};
 
 const SCENE: &str = "void glow sky 0 0 4 .5 .6 .9 0\nsky source above 0 0 4 0 0 1 180\nvoid glow ground 0 0 4 .3 .2 .1 0\n\
                      ground source below 0 0 4 0 0 -1 180\nvoid plastic left 0 0 5 .6 .1 .1 0 0\nvoid plastic right 0 0 5 .1 .2 .6 0 0\n\
@@ -18,9 +18,7 @@ const TRUE: [(&str, f64); 3] = [("red", 0.7332), ("green", 0.1248), ("blue", 0.7
 fn found(target: &str) -> [(f64, f64); 3] {
     let material = format!("glass it 0 0 3 {} {} {}", TRUE[0].1, TRUE[1].1, TRUE[2].1);
     let directory = photographed(&material, SCENE, &format!("-x 48 -y 48 --spp 1024 -ab 1 -o {target}"));
-    let done = run(env!("CARGO_BIN_EXE_anneal"), directory.path(), &format!("-ab 1 --scene scene.rad --target {target} start.rad"));
-    let out = String::from_utf8(done.stdout).unwrap();
-    println!("{out}");
+    let out = recovered(directory.path(), &format!("-ab 1 --scene scene.rad --target {target} start.rad"));
     TRUE.map(|(name, _)| said(&out, name))
 }
 

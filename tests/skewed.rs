@@ -9,8 +9,8 @@ mod waves;
 
 use inverad::picture::Picture;
 use inverad::sampling::mix64;
-use photograph::{photographed, run};
-use said::said;
+use photograph::photographed;
+use said::{recovered, said};
 use std::fs;
 use waves::SCENE;
 
@@ -31,9 +31,7 @@ fn colors_are_not_too_dark_and_errors_are_honest() {
             pixel.iter_mut().for_each(|v| *v *= factor);
         }
         fs::write(&path, picture.write_exr().unwrap()).unwrap();
-        let done = run(env!("CARGO_BIN_EXE_anneal"), directory.path(), "-ab 1 --scene scene.rad --target target.exr start.rad");
-        let out = String::from_utf8(done.stdout).unwrap();
-        println!("{out}");
+        let out = recovered(directory.path(), "-ab 1 --scene scene.rad --target target.exr start.rad");
         for (name, truth) in [("red", 0.6), ("green", 0.4), ("blue", 0.2)] {
             let (value, error) = said(&out, name);
             assert!((value - truth).abs() < 3.0 * error && error < 0.05 * truth, "{name}: {value} ± {error}, not {truth}");

@@ -46,12 +46,12 @@ pub fn answer(mut teller: Teller, stream: &Stream, console: &Console) -> Outcome
     let mut batch = Vec::new();
     while left != Some(0) && trouble.is_none() {
         let most = (if flushed { stream.x } else { all }).min(left.unwrap_or(u64::MAX).try_into().unwrap_or(usize::MAX));
-        let mut asked = false;
+        let mut at_once = false;
         batch.clear();
-        while batch.len() < most && !asked {
+        while batch.len() < most && !at_once {
             match reader.read() {
                 Ok(Some(ray)) => {
-                    asked = ray[3..] == [0.0; 3];
+                    at_once = ray[3..] == [0.0; 3];
                     batch.push(Asked::new(ray));
                 }
                 Ok(None) => break,
@@ -67,7 +67,7 @@ pub fn answer(mut teller: Teller, stream: &Stream, console: &Console) -> Outcome
         if let Budget::Time(time) = &mut teller.budget {
             *time = time.mul_f64(rayon::current_num_threads().min(batch.len()) as f64 / batch.len() as f64);
         }
-        let rays = &batch[..batch.len() - asked as usize];
+        let rays = &batch[..batch.len() - at_once as usize];
         let records = rays.par_iter().enumerate().fold(
             || teller.writer(),
             |mut writer, (i, ray)| {
@@ -77,7 +77,7 @@ pub fn answer(mut teller: Teller, stream: &Stream, console: &Console) -> Outcome
         );
         records.map(|writer| writer.bytes).collect::<Vec<_>>().iter().try_for_each(|records| output.write(records))?;
         last = *rays.last().unwrap_or(&last);
-        if asked {
+        if at_once {
             let mut writer = teller.writer();
             teller.empty(&last, &mut writer);
             output.write(&writer.bytes)?;
@@ -85,7 +85,7 @@ pub fn answer(mut teller: Teller, stream: &Stream, console: &Console) -> Outcome
         number += batch.len() as u64;
         left = left.map(|left| left - batch.len() as u64);
         console.progress(|| format!("{number} rays"));
-        if flushed || asked {
+        if flushed || at_once {
             output.flush()?;
         }
     }

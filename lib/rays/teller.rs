@@ -5,7 +5,7 @@ use super::tree::{FAR, Fate, Met, Tree, met, nothing};
 use super::{Asked, Form, Format};
 use crate::color::Rgb;
 use crate::geometry::Ray;
-use crate::integrator::{Integrator, Radiance};
+use crate::integrator::{Integrator, Outcome, Radiance};
 use crate::render::{Budget, Pixel, Task};
 use crate::rules::Rules;
 use crate::sampling::Sampler;
@@ -79,7 +79,7 @@ impl<'w> Teller<'w> {
         let fate = if self.fields.needs_branches() {
             self.branches(ray, limit, number)
         } else if self.fields.needs_light() {
-            Fate { light: self.light(ray, limit, number), ..DARK }
+            Fate { light: self.light(number, |integrator, light, sampler| integrator.trace(light, *ray, limit, sampler)), ..DARK }
         } else {
             DARK
         };
@@ -95,14 +95,9 @@ impl<'w> Teller<'w> {
     /// Writes the record of the irradiance at a point on the side of a direction.
     fn irradiance(&self, asked: &Asked, number: u64, writer: &mut Writer) {
         let (point, ray) = asked.facing();
-        let mut integrator = Integrator::new(self.world, self.rules);
-        let pixel = Pixel::converged(self.budget, self.seed, number, |sampler| {
-            let mut light = Radiance { rules: self.rules, sum: Rgb::ZERO };
-            let outcome = integrator.irradiance(&mut light, point, asked.ray.direction, sampler);
-            (light.sum, outcome)
-        });
+        let light = self.light(number, |integrator, light, sampler| integrator.irradiance(light, point, asked.ray.direction, sampler));
         let met = Met { point, length: BEFORE, ..nothing(&ray) };
-        let fate = Fate { light: pixel.mean(), unmirrored_length: BEFORE, ..DARK };
+        let fate = Fate { light, unmirrored_length: BEFORE, ..DARK };
         self.write(writer, &self.fields.ray, &whole(&ray, &met, fate));
     }
 
@@ -120,12 +115,12 @@ impl<'w> Teller<'w> {
         Fate { light: fate.light * mean, mirrored: fate.mirrored * mean, ..fate }
     }
 
-    /// The light that a ray brings.
-    fn light(&self, ray: &Ray, limit: f64, number: u64) -> Rgb {
+    /// The light that a ray brings, or a point gathers, whichever is `sampled`.
+    fn light(&self, number: u64, sampled: impl Fn(&mut Integrator<'w, Rgb>, &mut Radiance<'w>, Sampler) -> Outcome) -> Rgb {
         let mut integrator = Integrator::new(self.world, self.rules);
         let pixel = Pixel::converged(self.budget, self.seed, number, |sampler| {
             let mut light = Radiance { rules: self.rules, sum: Rgb::ZERO };
-            let outcome = integrator.trace(&mut light, *ray, limit, sampler);
+            let outcome = sampled(&mut integrator, &mut light, sampler);
             (light.sum, outcome)
         });
         pixel.mean()

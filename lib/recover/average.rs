@@ -43,12 +43,14 @@ impl Look<'_> {
         };
         let candidates: Vec<Scores> = all.par_iter().map(best_with).collect();
         let smallest = |of: &dyn Fn(usize) -> f64| (0..all.len()).min_by(|&a, &b| of(a).total_cmp(&of(b))).unwrap_or(0);
-        let excess = |from: usize, at: usize| candidates[from].excess(&candidates[at].place);
-        let nearest = smallest(&|i| (all[i] - found.values[slot]).abs());
-        let elsewhere = smallest(&|i| excess(nearest, i));
-        let best = if excess(nearest, elsewhere) < -SURE { elsewhere } else { nearest };
+        let excess = |from: usize| -> Vec<f64> { candidates.iter().map(|other| candidates[from].excess(&other.place)).collect() };
+        let mut best = smallest(&|i| (all[i] - found.values[slot]).abs());
+        let mut off = excess(best);
+        let elsewhere = smallest(&|i| off[i]);
+        if off[elsewhere] < -SURE {
+            (best, off) = (elsewhere, excess(elsewhere));
+        }
         // What lies beyond a value that is worse is no better, but less well known.
-        let off: Vec<f64> = (0..all.len()).map(|i| excess(best, i)).collect();
         let farther = |i: usize| off[i.min(best)..=i.max(best)].iter().copied().fold(0.0, f64::max);
         let width = |i: usize| 0.5 * (all[(i + 1).min(all.len() - 1)] - all[i.saturating_sub(1)]);
         let shares: Vec<f64> = (0..all.len()).map(|i| width(i) * (-0.5 * farther(i).powi(2)).exp()).collect();

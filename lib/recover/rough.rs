@@ -21,9 +21,10 @@ const SMOOTHEST: f64 = 0.002;
 const NODES: (usize, f64) = (16, 1.2);
 const ANISOTROPIC_NODES: (usize, f64) = (8, 1.3);
 
-/// The first look: about so many pixels, samples of each in each half, and roughnesses from which directions are drawn.
+/// The first look: about so many pixels, and samples of each in each half.
 const FIRST_PIXELS: usize = 640;
 const FIRST_SAMPLES: u32 = 16;
+/// From how many roughnesses directions are drawn where all are looked at.
 const WIDE_PROPOSALS: usize = 5;
 
 /// What of the derivative by a roughness must not be noise for it to be trusted; and the part of itself that its error may be for the nodes of a
@@ -118,15 +119,10 @@ impl<'a> Stage<'a> {
         self.middle[0].max(self.middle[1]) < SHARP
     }
 
-    /// The places among the parameters of the roughnesses along the two tangents; `None` for what is not one.
-    fn axis_slots(&self) -> [Option<usize>; 2] {
-        axis_slots(self.kind, self.unknown)
-    }
-
     /// The axes whose roughness is unknown, and its place among the parameters.
     fn axes(&self) -> impl Iterator<Item = (usize, usize)> {
         let count = if self.kind.anisotropic { 2 } else { 1 };
-        self.axis_slots().into_iter().take(count).enumerate().filter_map(|(axis, slot)| Some((axis, slot?)))
+        slots(self.kind, self.unknown).into_iter().take(count).enumerate().filter_map(|(axis, slot)| Some((axis, slot?)))
     }
 }
 
@@ -137,21 +133,26 @@ fn reach(nodes: &[f64], near: f64, middle: f64) -> (f64, f64) {
     (first.max(near.clamp(first, last) / REACH), last.min(middle.clamp(first, last) * REACH))
 }
 
-/// The places among the parameters of the roughnesses along the two tangents; `None` for what is not one.
-fn axis_slots(kind: Kind, unknown: &Unknown) -> [Option<usize>; 2] {
-    [4, if kind.anisotropic { 5 } else { 4 }].map(|argument| unknown.slots()[argument])
+/// The places among the real arguments of the roughnesses along the two tangents.
+fn arguments(kind: Kind) -> [usize; 2] {
+    [4, if kind.anisotropic { 5 } else { 4 }]
+}
+
+/// Their places among the parameters; `None` for what is not one.
+fn slots(kind: Kind, unknown: &Unknown) -> [Option<usize>; 2] {
+    arguments(kind).map(|argument| unknown.slots()[argument])
 }
 
 /// The roughnesses along the two tangents that the real arguments `a` say.
 fn roughness(kind: Kind, a: &[f64]) -> [f64; 2] {
-    [a[4], a[if kind.anisotropic { 5 } else { 4 }]].map(|a| a.abs().max(SMOOTHEST))
+    arguments(kind).map(|argument| a[argument].abs().max(SMOOTHEST))
 }
 
 impl Model for Stage<'_> {
     fn tune(&mut self, values: &[f64], errors: Option<&[f64]>) {
         let near = roughness(self.kind, &self.unknown.reals(values));
         let known = self.axes().all(|(axis, slot)| errors.is_some_and(|e| e[slot] < KNOWN * near[axis]));
-        let errors = self.axis_slots().map(|slot| slot.zip(errors).map_or(0.0, |(slot, errors)| errors[slot]));
+        let errors = slots(self.kind, self.unknown).map(|slot| slot.zip(errors).map_or(0.0, |(slot, errors)| errors[slot]));
         // An error that is large twice is so; once it may be chance.
         let beyond = |axis: usize| near[axis].hypot(errors[axis].min(self.errors[axis])).min(self.grid[axis][self.grid[axis].len() - 1]);
         (self.middle, self.near, self.errors) = ([0, 1].map(beyond), near, errors);
@@ -238,11 +239,11 @@ pub fn recover(
     let mut seeds = Seeds::new(effort.seed);
 
     // A first look at all roughnesses, by some of the pixels.
-    let mut some = scattered(pixels, evidence.film.width);
-    some.truncate(FIRST_PIXELS);
-    let sheet = Sheet::new(evidence, &some);
+    let order = scattered(pixels, evidence.film.width);
+    let some = |most: usize| Sheet::new(evidence, &order[..most.min(order.len())]);
+    let sheet = some(FIRST_PIXELS);
     let known = roughness(kind, &unknown.material().reals);
-    let slots = axis_slots(kind, unknown);
+    let slots = slots(kind, unknown);
     let [u, v] = [0, 1].map(|axis| {
         let (low, high) = slots[axis].map_or((known[axis], known[axis]), |i| bounds[i]);
         (low.max(SMOOTHEST), high.max(SMOOTHEST * 1.5).max(low * 1.01))
@@ -276,12 +277,10 @@ pub fn recover(
             return Ok(found);
         }
         tell("last look");
-        let mut some = scattered(pixels, evidence.film.width);
-        some.truncate(LAST_PIXELS);
-        let sheet = Sheet::new(evidence, &some);
+        let sheet = some(LAST_PIXELS);
         let mut stage = wide();
         stage.know(&found.values, true);
-        let basis = trace(&stage, &sheet, (LAST_SAMPLES / some.len()) as u32, seeds.next());
+        let basis = trace(&stage, &sheet, (LAST_SAMPLES / sheet.numbers.len()) as u32, seeds.next());
         return Ok(closer.averaged(found, &sheet, &stage, &basis));
     }
     unreachable!()
