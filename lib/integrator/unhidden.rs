@@ -34,10 +34,11 @@ impl<'a> Unhidden<'a> {
         })
     }
 
-    /// Takes in a local direction, aimed at the environment or drawn from a diffuse part: by the balance heuristic.
+    /// Takes in a local direction, aimed at the environment or drawn from a diffuse part: by the balance heuristic. One along the horizon brings
+    /// nothing, and may have no density either.
     pub fn take(&mut self, bsdf: &Bsdf, wi: Vec3) {
         let (side, lambert) = ((wi.z < 0.0) as usize, wi.z.abs() / PI);
-        if self.counts[side] > 0.0 {
+        if self.counts[side] > 0.0 && lambert > 0.0 {
             let (radiance, aimed) = self.world.unhidden(self.open, self.from, bsdf.to_world(wi));
             self.found[side] += radiance * (lambert / (aimed + self.counts[side] * lambert));
         }
@@ -49,5 +50,43 @@ impl<'a> Unhidden<'a> {
         let normal = Vec3::new(0.0, 0.0, [1.0, -1.0][side]);
         let whole = || self.world.irradiance(self.open, self.from, bsdf.to_world(normal));
         (self.counts[side] > 0.0).then(|| (whole() - self.found[side]) * self.open.share)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::error::Source;
+    use crate::expand::expand;
+    use crate::geometry::Ray;
+    use crate::rad::Document;
+    use crate::resolve::Files;
+    use crate::rules::Rules;
+    use crate::scene::Scene;
+    use crate::world::Coming;
+
+    #[test]
+    fn a_direction_along_the_horizon_brings_nothing() {
+        // No direction is aimed there: the light is brighter elsewhere.
+        let text = "void brightfunc above 2 if(Dz-.9,9,1) . 0 0 above glow sky 0 0 4 1 1 1 0 sky source all 0 0 4 0 0 1 360
+                    void plastic white 0 0 5 .5 .5 .5 0 0 white ring floor 0 0 8 0 0 0 0 0 1 0 1";
+        let document = Document::parse(Source::new("scene.rad", text.to_string())).unwrap();
+        let (files, rules) = (Files::default(), Rules::default());
+        let scene = Scene::new(&expand(vec![document], &files).unwrap(), &files, false).unwrap();
+        let mut world = World::new(scene, &rules).unwrap();
+        let ray = Ray::new(Vec3::new(0.1, 0.2, 3.0), -Vec3::Z);
+        world.survey(std::iter::repeat_n(ray, 16), &rules);
+        let hit = world.nearest(&ray, f64::INFINITY).unwrap();
+        let coming = Coming { ray: &ray, travelled: 0.0, aim: None, primary: true, gathered: false, ambient: false, clip: None };
+        world.layers(&hit, &coming, &rules, &mut |layer| {
+            let (bsdf, ones) = (layer.bsdf(&rules), [1.0, 0.0, 0.0, 0.0]);
+            let missed = |directions: &[Vec3]| {
+                let mut unhidden = Unhidden::new(&world, hit.point, &ones, &ones).unwrap();
+                directions.iter().for_each(|wi| unhidden.take(&bsdf, *wi));
+                unhidden.missed(&bsdf, 0).unwrap()
+            };
+            assert!(missed(&[]).min_element() > 0.5);
+            assert_eq!(missed(&[Vec3::X, -Vec3::Y]), missed(&[]));
+        });
     }
 }
