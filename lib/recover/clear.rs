@@ -173,8 +173,9 @@ pub fn recover(
             None => vec![fixed],
         };
         let mut stage = Stage::new(evidence, unknown, material, indices);
-        let found =
-            Look { evidence, pixels, parameters: unknown.parameters(), bounds: &bounds, effort: &effort }.at(&mut stage, &best, &mut seeds);
+        let another = || look < MOST_LOOKS && effort.affords_another(begin, look);
+        let closer = Look { evidence, pixels, parameters, bounds: &bounds, effort: &effort, another: &another };
+        let found = closer.at(&mut stage, &best, &mut seeds);
         let Some(i) = slot.filter(|_| !stage.holds(&found.values)) else { return Ok(found) };
         let (mut here, next) = match lowest.take_if(|lowest| found.excess(lowest) > SURE) {
             Some(lower) => {
@@ -188,7 +189,7 @@ pub fn recover(
                 (found, best[i] + stride)
             }
         };
-        if look == MOST_LOOKS || !effort.affords_another(begin, look) {
+        if !another() {
             // It was not got hold of: the index may be anywhere.
             here.covariance.set(i, i, anywhere((low, high)));
             return Ok(here);

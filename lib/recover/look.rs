@@ -88,6 +88,8 @@ pub struct Look<'a> {
     pub bounds: &'a [(f64, f64)],
     /// When it is enough, and who is told what each round finds.
     pub effort: &'a Effort<'a>,
+    /// Whether there is time for another look, if this one strays.
+    pub another: &'a (dyn Fn() -> bool + Sync),
 }
 
 impl Look<'_> {
@@ -125,7 +127,8 @@ impl Look<'_> {
                 let share = time.min(PICTURES);
                 let drift = (drifts && share > LATE).then(|| self.drift(&sheet, model, &basis, &found.values, share, seeds));
                 let found = self.moved(found, drift, model);
-                return if strayed || self.effort.quick { found } else { self.averaged(found, &sheet, model, &basis) };
+                let passes = self.effort.quick || strayed && (self.another)();
+                return if passes { found } else { self.averaged(found, &sheet, model, &basis) };
             }
             best.clone_from(&found.values);
             model.tune(&best, Some(&found.errors()));

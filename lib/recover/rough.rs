@@ -265,9 +265,10 @@ pub fn recover(
         tell(&format!("look {look}: {best:.4?}"));
         let grid = roughness(kind, &unknown.reals(&best)).map(|middle| around(middle, nodes));
         let mut stage = Stage::new(evidence, unknown, material, kind, grid, vec![]);
-        let closer = Look { evidence, pixels, parameters: unknown.parameters(), bounds: &bounds, effort: &effort };
+        let another = || look < MOST_LOOKS && effort.affords_another(begin, look);
+        let closer = Look { evidence, pixels, parameters: unknown.parameters(), bounds: &bounds, effort: &effort, another: &another };
         let found = closer.at(&mut stage, &best, &mut seeds);
-        let last = look == MOST_LOOKS || !effort.affords_another(begin, look);
+        let last = !another();
         if !last && !stage.holds(&found.values) {
             best = found.values;
             continue;
