@@ -77,7 +77,7 @@ mod tests {
         let ray = Ray::new(Vec3::new(0.1, 0.2, 3.0), -Vec3::Z);
         world.survey(std::iter::repeat_n(ray, 16), &rules);
         let hit = world.nearest(&ray, f64::INFINITY).unwrap();
-        let coming = Coming { ray: &ray, travelled: 0.0, aim: None, primary: true, gathered: false, ambient: false, clip: None };
+        let coming = Coming::viewer(&ray);
         world.layers(&hit, &coming, &rules, &mut |layer| {
             let (bsdf, ones) = (layer.bsdf(&rules), [1.0, 0.0, 0.0, 0.0]);
             let missed = |directions: &[Vec3]| {

@@ -131,7 +131,7 @@ impl<'w> Teller<'w> {
         let hit = self.world.nearest(ray, limit);
         let mut first = met(self.world, ray, hit.as_ref(), limit);
         if let Some(hit) = hit.as_ref().filter(|_| self.fields.needs_layers()) {
-            let coming = Coming { ray, travelled: 0.0, aim: None, primary: true, gathered: false, ambient: false, clip: None };
+            let coming = Coming::viewer(ray);
             let mut share = 0.0;
             self.world.layers(hit, &coming, self.rules, &mut |layer| {
                 if layer.fraction > share {

@@ -57,6 +57,13 @@ pub struct Coming<'a> {
     pub clip: Option<&'a Clip>,
 }
 
+impl<'a> Coming<'a> {
+    /// The viewer's own ray, where it first meets something.
+    pub fn viewer(ray: &'a Ray) -> Self {
+        Self { ray, travelled: 0.0, aim: None, primary: true, gathered: false, ambient: false, clip: None }
+    }
+}
+
 /// Light that a path ends in.
 #[derive(Clone, Copy, Debug)]
 pub struct Emission {

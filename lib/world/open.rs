@@ -44,7 +44,7 @@ impl World {
         for (i, ray) in rays.enumerate() {
             let Some(hit) = self.nearest(&ray, f64::INFINITY) else { continue };
             let u = LATTICE.map(|step| (i as f64 * step).fract());
-            let coming = Coming { ray: &ray, travelled: 0.0, aim: None, primary: true, gathered: false, ambient: false, clip: None };
+            let coming = Coming::viewer(&ray);
             self.layers(&hit, &coming, rules, &mut |layer| {
                 let bsdf = layer.bsdf(rules);
                 for part in [Part::DiffuseReflection, Part::DiffuseTransmission] {
