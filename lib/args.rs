@@ -5,6 +5,7 @@
 //! `Option<bool>` is one of RADIANCE's switches: `-u+`, `-u-`, or `-u` for the contrary of what holds.
 
 use crate::error::{Error, Result};
+use crate::render::WIDEST;
 use clap::{ArgAction, CommandFactory, Parser};
 use spelling::{Rewritten, is_radiance, is_switch, rewrite};
 use std::any::TypeId;
@@ -66,6 +67,12 @@ pub enum Commands {
     Allow,
     /// No command runs, not even those that are built in.
     Deny,
+}
+
+/// A radius of a pixel's filter.
+fn radius(word: &str) -> std::result::Result<f64, String> {
+    let radius = word.parse().ok().filter(|radius| (0.0..=WIDEST).contains(radius));
+    radius.ok_or_else(|| format!("not a radius; give one in pixels, from 0 to {WIDEST}"))
 }
 
 /// The words of every view option, in the order they were typed: `-vf cam.vf -vp 0 0 5 -vth`.

@@ -17,6 +17,7 @@ pub mod model;
 pub mod predict;
 mod rough;
 mod scores;
+mod sharpness;
 mod sheet;
 pub mod types;
 
@@ -25,7 +26,7 @@ use crate::anneal::linear::Symmetric;
 use crate::error::{Error, Result};
 use crate::geometry::Ray;
 use crate::picture::Picture;
-use crate::render::Film;
+use crate::render::{Film, Filter};
 use crate::rules::Rules;
 use crate::sampling::mix64;
 use crate::scene::MaterialId;
@@ -34,6 +35,7 @@ use crate::world::World;
 use doubts::Known;
 use model::Kind;
 use rayon::prelude::*;
+pub use sharpness::Blur;
 use std::time::Instant;
 
 /// What is known: the scene, the view, the picture.
@@ -50,6 +52,8 @@ pub struct Evidence<'a> {
     pub steps: Option<&'a [[f32; 3]]>,
     /// How much each pixel counts, from 0 to 1; all the same if `None`.
     pub mask: Option<&'a [f32]>,
+    /// Whether its pixels may be blurred otherwise than the view's: then that is found too.
+    pub blurred: bool,
 }
 
 /// How hard to try.
@@ -61,6 +65,8 @@ pub struct Effort<'a> {
     pub until: Option<Instant>,
     /// The standard error that every value is to have, if not what the picture allows.
     pub tolerance: Option<f64>,
+    /// About where the values are, if that is known.
+    pub around: Option<&'a [f64]>,
     /// Only look at what can be seen at once: enough to compare types of material.
     pub quick: bool,
     /// Who is told what each round found.
@@ -80,6 +86,8 @@ pub struct Recovery {
     pub common: Symmetric,
     /// By which part of their light whole areas are off, which no noise is.
     pub misfit: f64,
+    /// How its pixels are blurred, if there is any saying.
+    pub blur: Option<Blur>,
     /// χ² of equation 11 over the pixels that count, without what the noise of the rendering adds to it.
     pub chi2: f64,
     /// How many pixels count.
@@ -181,6 +189,11 @@ impl Recovery {
         self.covariance.deviations()
     }
 
+    /// How its pixels are blurred, if they surely are otherwise than they were taken to be, and that was to be found.
+    fn amiss(&self) -> Option<Blur> {
+        self.blur.filter(|blur| blur.sought && blur.is_sure() && blur.is_far())
+    }
+
     /// By how many standard errors the pixels that both have seen, which come in the same order, are farther off than in another. None counts for
     /// more than one that is off by as much as it is bright.
     fn excess(&self, other: &Self) -> f64 {
@@ -190,7 +203,12 @@ impl Recovery {
 
     /// What is known of the errors of the values.
     pub fn known(&self) -> Known<'_> {
-        Known { covariance: self.covariance.clone(), common: Some(&self.common), misfit: self.misfit }
+        Known {
+            covariance: self.covariance.clone(),
+            common: Some(&self.common),
+            misfit: self.misfit,
+            blur: self.blur.filter(|blur| !blur.sought),
+        }
     }
 }
 
@@ -227,9 +245,23 @@ fn supported(unknown: &Unknown) -> Result<()> {
 /// Recovers an unknown material of the scene. `tell` hears how far it is.
 pub fn recover(evidence: &Evidence, unknown: &Unknown, material: MaterialId, effort: Effort, tell: &dyn Fn(&str)) -> Result<Recovery> {
     supported(unknown)?;
-    let pixels = evidence.pixels(unknown, material)?;
-    match Kind::named(&unknown.material().kind) {
-        Some(kind) => rough::recover(evidence, unknown, material, kind, &pixels, effort, tell),
-        None => clear::recover(evidence, unknown, material, &pixels, effort, tell),
+    let mut film = evidence.film.clone();
+    let once = |film: &Film, effort: Effort| {
+        let evidence = Evidence { film, ..*evidence };
+        let pixels = evidence.pixels(unknown, material)?;
+        match Kind::named(&unknown.material().kind) {
+            Some(kind) => rough::recover(&evidence, unknown, material, kind, &pixels, effort, tell),
+            None => clear::recover(&evidence, unknown, material, &pixels, effort, tell),
+        }
+    };
+    let mut found = once(&film, effort)?;
+    for _ in 0..MOST_FILTERS {
+        let Some(blur) = found.amiss().filter(|_| !effort.late()) else { break };
+        film.filter = Filter::gaussian(blur.radius().0, None);
+        found = once(&film, Effort { around: Some(&found.values), ..effort })?;
     }
+    Ok(found)
 }
+
+/// How often a picture is looked at again because its pixels are not blurred as they were taken to be.
+const MOST_FILTERS: usize = 8;

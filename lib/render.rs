@@ -5,11 +5,13 @@
 //! picture. Only time as a budget, and being interrupted, leave traces.
 
 mod features;
+mod filter;
 mod part;
 mod pixel;
 mod plan;
 
 pub use features::{Features, coverage, features};
+pub use filter::{Filter, WIDEST};
 pub use part::{join, part, range};
 pub use pixel::{GROUPS, Pixel, SETS};
 
@@ -52,7 +54,8 @@ impl Budget {
 /// The relative standard error that is asked for when nothing is.
 pub const DEFAULT_ERROR: f64 = 0.05;
 
-/// Origin, unit direction and length limit of the ray of sample point `(x, y)` of a pixel's area, each in [0, 1); `None` outside the view.
+/// Origin, unit direction and length limit of the ray of a sample of a pixel, for numbers in [0, 1) that say where in it, the same light for each
+/// part of them; `None` outside the view.
 pub type Lens<'a> = &'a (dyn Fn(usize, [f64; 2]) -> Option<(Vec3, Vec3, f64)> + Sync);
 
 /// A camera and the pixels behind it.
@@ -64,10 +67,13 @@ pub struct Film {
     pub width: usize,
     /// Rows.
     pub height: usize,
+    /// Which of the light around its centre a pixel takes in.
+    pub filter: Filter,
 }
 
 impl Film {
-    /// The largest picture of a view that fits into `x` × `y` pixels of the aspect `pa` (height over width; 0: any). Errors if it has
+    /// The largest picture of a view that fits into `x` × `y` pixels of the aspect `pa` (height over width; 0: any), each of which takes in the
+    /// light of its area. Errors if it has
     /// more pixels than any picture, or than there is memory for.
     pub fn new(view: &View, x: usize, y: usize, pa: f64) -> Result<Self> {
         if x == 0 || y == 0 {
@@ -76,7 +82,7 @@ impl Film {
         let camera = view.ready()?;
         let (width, height) = camera.resolution(x, y, pa);
         reserve(&mut Vec::<Pixel>::new(), pixel_count(width, height)?)?;
-        Ok(Self { camera, width, height })
+        Ok(Self { camera, width, height, filter: Filter::boxed(1.0) })
     }
 
     /// Rays of about a thousand of the pixels, spread over all.
@@ -96,7 +102,8 @@ impl Film {
 
     /// The rays of the pixels, numbered row by row from the top, each row from the left.
     pub fn lens(&self) -> impl Fn(usize, [f64; 2]) -> Option<(Vec3, Vec3, f64)> + Sync {
-        |number, [u, v]| {
+        |number, at| {
+            let [u, v] = self.filter.place(at);
             let (x, y) = ((number % self.width) as f64, (number / self.width) as f64);
             self.camera.ray((x + u) / self.width as f64, 1.0 - (y + v) / self.height as f64)
         }
@@ -149,8 +156,8 @@ pub struct Task<'a> {
     pub width: usize,
     /// The rays of each.
     pub lens: Lens<'a>,
-    /// Over which fraction of its width a pixel is sampled (box filter); 0 samples its centre.
-    pub jitter: f64,
+    /// Whether all samples of a pixel are of its centre.
+    pub centred: bool,
     /// What blurs things out of focus.
     pub blur: Option<Blur>,
     /// When it is good enough.
@@ -239,7 +246,7 @@ impl Blur {
 impl Task<'_> {
     /// The ray of a sample, as far as it goes, and what is left of the random numbers; `None` outside the view.
     fn sight(&self, number: usize, mut sampler: Sampler) -> Option<((Ray, f64), Sampler)> {
-        let at = if self.jitter > 0.0 { sampler.pair().map(|u| 0.5 + self.jitter * (u - 0.5)) } else { [0.5; 2] };
+        let at = if self.centred { [0.5; 2] } else { sampler.pair() };
         let (mut origin, mut direction, limit) = (self.lens)(number, at)?;
         if let Some(blur) = &self.blur {
             (origin, direction) = blur.bend(origin, direction, sampler.pair());
@@ -249,7 +256,7 @@ impl Task<'_> {
 
     /// Whether all samples of a pixel have the same ray.
     fn fixed(&self) -> bool {
-        self.jitter == 0.0 && self.blur.is_none()
+        self.centred && self.blur.is_none()
     }
 
     /// Takes samples of each pixel until it has as many as are wanted, or it is all over.

@@ -1,7 +1,7 @@
 //! The options of anneal.
 
 use super::rtrace::Light;
-use super::{Common, Scenes, ViewWords};
+use super::{Common, Scenes, ViewWords, radius};
 use crate::anneal::Options;
 use crate::error::{Error, Result};
 use crate::unknown::{Bounds, TYPES, Wishes, names};
@@ -78,6 +78,12 @@ pub struct Photo {
     #[arg(long, value_name = "PICTURE", requires = "target")]
     pub mask: Option<String>,
 
+    /// Radius in pixels of the Gaussian that the picture's pixels weigh light by, as pfilt -r makes them; 0: they take in the light of their area;
+    /// auto: the radius is found too, as it must be for a camera's picture that was not made smaller [default: what the picture's header
+    /// says, or 0]
+    #[arg(long, value_name = "R", requires = "scene", value_parser = sharpness)]
+    pub filter: Option<Sharpness>,
+
     /// No picture yet: the standard errors that one would give if the unknown were START.rad's, what it would not tell, and what would
     /// help. Assumed is noise of 2 % in each pixel
     #[arg(long, requires = "scene", conflicts_with_all = ["target", "exec"])]
@@ -138,12 +144,25 @@ pub struct UnknownOptions {
     pub groups: Option<String>,
 }
 
+/// What is said of the filter of a picture's pixels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Sharpness {
+    /// It is to be found.
+    Unknown,
+    /// Its radius, in pixels.
+    Radius(f64),
+}
+
+fn sharpness(word: &str) -> std::result::Result<Sharpness, String> {
+    if word == AUTO { Ok(Sharpness::Unknown) } else { radius(word).map(Sharpness::Radius) }
+}
+
 /// What `--type` may be.
 fn kinds() -> PossibleValuesParser {
     std::iter::once(AUTO).chain(TYPES.map(|(name, _)| name)).into()
 }
 
-/// The `--type` that tries all.
+/// The `--type` that tries all, and the `--filter` that is found.
 pub const AUTO: &str = "auto";
 
 /// How long and how to search.

@@ -6,11 +6,12 @@ mod explain;
 pub use accuracy::Accuracy;
 pub use explain::{FEATURES, defaults, explain};
 
-use super::{Common, Scenes, ViewWords};
+use super::{Common, Scenes, ViewWords, radius};
 use crate::color::Rgb;
 use crate::error::{Error, Result};
 use crate::picture::PRIMARIES;
 use crate::rays::Space;
+use crate::render::Filter;
 use crate::rules::{FRESNEL_OFFSET, Field, Rules, Ward};
 use clap::ArgAction;
 use std::collections::HashSet;
@@ -101,6 +102,10 @@ pub struct PictureOptions {
     #[arg(long = "pj", value_name = "F")]
     pub pj: Option<f64>,
 
+    /// Instead, a pixel weighs light by a Gaussian of this radius in pixels around its centre, as pfilt -r does; 0 is the box
+    #[arg(long, value_name = "R", conflicts_with = "pj", value_parser = radius)]
+    pub filter: Option<f64>,
+
     /// Diameter of the lens; things are in focus at the length of -vd [default: 0]
     #[arg(long = "pd", value_name = "F")]
     pub pd: Option<f64>,
@@ -160,6 +165,11 @@ impl PictureOptions {
             }
             _ => Ok(()),
         }
+    }
+
+    /// Which of the light around its centre a pixel takes in.
+    pub fn filter(&self) -> Filter {
+        self.filter.map_or_else(|| Filter::boxed(self.pj.map_or(1.0, |width| width.max(0.0))), |radius| Filter::gaussian(radius, None))
     }
 
     /// What colours are told in.

@@ -9,7 +9,7 @@ use super::stream::{Output, file};
 use crate::anneal::linear::Symmetric;
 use crate::args::anneal::Arguments;
 use crate::error::{Error, Result};
-use crate::recover::Recovery;
+use crate::recover::{Blur, Recovery};
 use crate::report::Moment;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -29,6 +29,7 @@ pub struct Kept {
     own: Symmetric,
     common: Symmetric,
     misfit: f64,
+    blur: Option<Blur>,
     chi2: f64,
     pixels: usize,
     rounds: Vec<Moment>,
@@ -93,6 +94,7 @@ impl Kept {
             own: found.own.clone(),
             common: found.common.clone(),
             misfit: found.misfit,
+            blur: found.blur,
             chi2: found.chi2,
             pixels: found.pixels,
             rounds: trail.moments().clone(),
@@ -112,7 +114,7 @@ impl Kept {
 
     /// What was found, and how.
     pub fn found(self) -> (Recovery, Vec<Moment>) {
-        let Self { values, covariance, own, common, misfit, chi2, pixels, rounds, .. } = self;
-        (Recovery { values, covariance, own, common, misfit, chi2, pixels, losses: vec![], clarity: vec![] }, rounds)
+        let Self { values, covariance, own, common, misfit, blur, chi2, pixels, rounds, .. } = self;
+        (Recovery { values, covariance, own, common, misfit, blur, chi2, pixels, losses: vec![], clarity: vec![] }, rounds)
     }
 }

@@ -3,7 +3,7 @@
 use super::stream::Input;
 use super::{Console, Disk, Outcome, scene};
 use crate::anneal::Objective;
-use crate::args::anneal::Arguments;
+use crate::args::anneal::{Arguments, Sharpness};
 use crate::cal;
 use crate::color::Rgb;
 use crate::error::{Error, Result};
@@ -11,8 +11,8 @@ use crate::expand::Flat;
 use crate::metric::{self, Named};
 use crate::picture::{Header, Picture};
 use crate::rad::{Class, Document, Number, Primitive};
-use crate::recover::Evidence;
-use crate::render::{Budget, Film, Task, render};
+use crate::recover::{Evidence, Recovery};
+use crate::render::{Budget, Film, Filter, Task, render};
 use crate::report::{Setting, Views};
 use crate::rules::Rules;
 use crate::scene::{MaterialId, Scene};
@@ -35,6 +35,7 @@ pub struct Photo<'a> {
     target: Picture,
     steps: Vec<[f32; 3]>,
     mask: Option<Vec<f32>>,
+    blurred: bool,
     seed: u64,
     read: u64,
 }
@@ -60,9 +61,14 @@ impl<'a> Photo<'a> {
             let picture = taken.map_or_else(String::new, |(name, _)| format!(", and {name} does not say its own"));
             return Err(Error::new(format!("no view{picture}; give the view it is taken from with -vf FILE")).into());
         }
-        let film = match &taken {
+        let mut film = match &taken {
             Some((_, target)) => Film::new(&view, target.width, target.height, 0.0)?,
             None => Film::new(&view, photo.x.unwrap_or(PREDICTED), photo.y.unwrap_or(PREDICTED), 1.0)?,
+        };
+        let said = taken.as_ref().and_then(|(_, target)| Filter::said(target.header.lines.iter().map(String::as_str)));
+        film.filter = match (photo.filter, said) {
+            (Some(Sharpness::Radius(radius)), _) => Filter::gaussian(radius, None),
+            (_, said) => said.unwrap_or(film.filter),
         };
         disk.count(view.header_line().as_bytes());
         let (name, target) = taken.unwrap_or_else(|| {
@@ -106,6 +112,7 @@ impl<'a> Photo<'a> {
             target,
             steps,
             mask: mask.transpose()?,
+            blurred: photo.filter == Some(Sharpness::Unknown),
             seed: arguments.common.seed,
         })
     }
@@ -119,6 +126,7 @@ impl<'a> Photo<'a> {
             target: &self.target,
             steps: Some(&self.steps),
             mask: self.mask.as_deref(),
+            blurred: self.blurred,
         }
     }
 
@@ -177,6 +185,15 @@ impl<'a> Photo<'a> {
         self.material
     }
 
+    /// Takes its pixels to be blurred as they were found to be, where that was sought; and what is to be said of that.
+    pub fn blurred(&mut self, found: &Recovery) -> Option<String> {
+        let blur = found.blur.filter(|blur| blur.sought)?;
+        if self.film.filter.variance() != blur.taken {
+            self.film.filter = Filter::gaussian((2.0 * blur.taken).sqrt(), None);
+        }
+        Some(blur.title())
+    }
+
     /// Puts another unknown into the place of its own.
     pub fn take_for(&mut self, unknown: Unknown) -> Result<()> {
         self.flat.primitives[self.place].clone_from(unknown.material());
@@ -227,7 +244,7 @@ impl Objective for Direct<'_, '_> {
                 count: self.pixels.len(),
                 width: self.pixels.len(),
                 lens: &|i, at| lens(self.pixels[i], at),
-                jitter: 1.0,
+                centred: photo.film.filter.is_point(),
                 blur: None,
                 budget: Budget::Samples(SAMPLES),
                 first: 0,

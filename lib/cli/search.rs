@@ -137,7 +137,7 @@ impl Search {
     /// What there is to say of some values.
     pub fn answer(&self, values: &[f64]) -> Answer<'_> {
         let covariance = self.kept.annealer.covariance();
-        let known = covariance.map(|covariance| Known { covariance, common: None, misfit: 0.0 });
+        let known = covariance.map(|covariance| Known { covariance, common: None, misfit: 0.0, blur: None });
         Answer::new(&self.unknown, values, known.as_ref())
     }
 

@@ -160,7 +160,10 @@ pub fn recover(
         parameters.iter().enumerate().map(|(i, p)| if Some(i) == slot { (low, high) } else { (p.low, p.high) }).collect();
 
     let search = Search { evidence, unknown, material, range: (low, high), effort: &effort };
-    let mut best = search.best(&sheet, &mut seeds, tell)?;
+    let mut best = match effort.around {
+        Some(values) => values.to_vec(),
+        None => search.best(&sheet, &mut seeds, tell)?,
+    };
 
     // Each look that finds the index farther on in the same direction is followed by one twice as far; one that went too far, by one just beside
     // the lowest place so far.
@@ -176,7 +179,7 @@ pub fn recover(
         let another = || look < MOST_LOOKS && effort.affords_another(begin, look);
         let closer = Look { evidence, pixels, parameters, bounds: &bounds, effort: &effort, another: &another };
         let found = closer.at(&mut stage, &best, &mut seeds);
-        let Some(i) = slot.filter(|_| !stage.holds(&found.values)) else { return Ok(found) };
+        let Some(i) = slot.filter(|_| !stage.holds(&found.values) && found.amiss().is_none()) else { return Ok(found) };
         let (mut here, next) = match lowest.take_if(|lowest| found.excess(lowest) > SURE) {
             Some(lower) => {
                 stride = 0.0;

@@ -4,6 +4,7 @@
 //! picture that does not make it much less does not determine it. Nor does one that would, if its errors were independent from pixel to
 //! pixel, but not with a small error that many pixels have in common.
 
+use super::Blur;
 use super::sheet::COMMON;
 use crate::anneal::Parameter;
 use crate::anneal::linear::Symmetric;
@@ -17,6 +18,8 @@ pub struct Known<'a> {
     pub common: Option<&'a Symmetric>,
     /// And how large an error they have seems to be.
     pub misfit: f64,
+    /// How the picture is blurred, if there is any saying.
+    pub blur: Option<Blur>,
 }
 
 /// What there is to think of some values.
@@ -114,6 +117,17 @@ pub fn judge(unknown: &Unknown, values: &[f64], known: &Known) -> Judgement {
             ),
         );
     }
+    if let Some(blur) = known.blur.filter(Blur::is_sure) {
+        let (how, passes) = if blur.more > 0.0 { ("more", "rougher") } else { ("less", "smoother") };
+        doubts.insert(
+            0,
+            format!(
+                "the picture is {how} blurred than its pixels are taken to be, and things seem {passes} by that: a filter of radius {:.2} makes \
+                 such pixels (pfilt -r); --filter auto reckons with it",
+                blur.radius().0
+            ),
+        );
+    }
     let errors = (0..n).map(|i| if plain(i) { seen.at(i, i).max(0.0).sqrt() } else { whole.at(i, i).sqrt() * units[i] }).collect();
     let alike = seen.correlations();
     let correlations = Symmetric::of(n, |i, j| if plain(i) && plain(j) { alike.at(i, j) } else { correlations.at(i, j) });
@@ -206,7 +220,7 @@ mod tests {
             let r = |a, b| if a == b { 1.0 } else { r * f64::from((a, b) == (j.max(i), i.min(j))) };
             Symmetric::of(5, |a, b| r(a, b) * e[a] * ranges[a] * e[b] * ranges[b])
         };
-        judge(&unknown, &[0.6, 0.4, 0.2, 0.1, 0.1], &Known { covariance: matrix(seen), common: Some(&matrix(common)), misfit })
+        judge(&unknown, &[0.6, 0.4, 0.2, 0.1, 0.1], &Known { covariance: matrix(seen), common: Some(&matrix(common)), misfit, blur: None })
     }
 
     #[test]

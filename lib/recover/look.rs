@@ -112,6 +112,12 @@ impl Look<'_> {
             let sheet = Sheet::new(self.evidence, &pixels[..count as usize]);
             let Fit { found, influence, held, withheld } = self.fit(&sheet, model, &basis, &best);
             (self.effort.told)(&found);
+            if self.evidence.blurred {
+                let blurred = self.blurred(found.clone(), &sheet, model, &basis);
+                if blurred.amiss().is_some() {
+                    return blurred;
+                }
+            }
             let strayed = !model.holds(&found.values);
             let budget = if self.effort.tolerance.is_none() { BUDGET / each / count } else { f64::INFINITY };
             let time = self.effort.until.map_or(f64::INFINITY, |until| {
@@ -126,7 +132,7 @@ impl Look<'_> {
                 let found = self.moved(found, withheld.filter(|_| !strayed), model);
                 let share = time.min(PICTURES);
                 let drift = (drifts && share > LATE).then(|| self.drift(&sheet, model, &basis, &found.values, share, seeds));
-                let found = self.moved(found, drift, model);
+                let found = self.blurred(self.moved(found, drift, model), &sheet, model, &basis);
                 let passes = self.effort.quick || strayed && (self.another)();
                 return if passes { found } else { self.averaged(found, &sheet, model, &basis) };
             }
@@ -202,7 +208,8 @@ impl Look<'_> {
         let (common, misfit) = (now.common(), misfit(sheet, &now.weights.halves, &now.place.halves));
         let (held, withheld) = (now.weights.kept.iter().any(|kept| *kept < 1.0), now.withheld());
         let (chi2, pixels) = (now.chi2(), sheet.numbers.len());
-        let found = Recovery { values, covariance: now.covariance, own: now.own, common, misfit, chi2, pixels, losses, clarity };
+        let found =
+            Recovery { values, covariance: now.covariance, own: now.own, common, misfit, blur: None, chi2, pixels, losses, clarity };
         Fit { found, influence, held, withheld }
     }
 

@@ -34,7 +34,7 @@ pub struct Prediction {
 impl Prediction {
     /// What would be known of the errors of the values.
     pub fn known(&self) -> Known<'_> {
-        Known { covariance: self.covariance.clone(), common: Some(&self.common), misfit: 0.0 }
+        Known { covariance: self.covariance.clone(), common: Some(&self.common), misfit: 0.0, blur: None }
     }
 }
 

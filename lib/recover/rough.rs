@@ -241,7 +241,6 @@ pub fn recover(
     // A first look at all roughnesses, by some of the pixels.
     let order = scattered(pixels, evidence.film.width);
     let some = |most: usize| Sheet::new(evidence, &order[..most.min(order.len())]);
-    let sheet = some(FIRST_PIXELS);
     let known = roughness(kind, &unknown.material().reals);
     let slots = slots(kind, unknown);
     let [u, v] = [0, 1].map(|axis| {
@@ -254,10 +253,15 @@ pub fn recover(
     };
     let trace =
         |stage: &Stage, sheet: &Sheet, samples: u32, seed: u64| stage.trace(sheet.numbers, &vec![samples; 2 * sheet.numbers.len()], seed);
-    tell("first look");
-    let stage = wide();
-    let gram = Gram::new(&trace(&stage, &sheet, FIRST_SAMPLES, seeds.next()), &sheet.target, &sheet.relative);
-    let mut best = search(&Problem { gram: &gram, coefficients: &|v| stage.coefficients(v), bounds: &bounds }, &stage, effort.seed)?;
+    let mut best = match effort.around {
+        Some(values) => values.to_vec(),
+        None => {
+            tell("first look");
+            let (stage, sheet) = (wide(), some(FIRST_PIXELS));
+            let gram = Gram::new(&trace(&stage, &sheet, FIRST_SAMPLES, seeds.next()), &sheet.target, &sheet.relative);
+            search(&Problem { gram: &gram, coefficients: &|v| stage.coefficients(v), bounds: &bounds }, &stage, effort.seed)?
+        }
+    };
 
     // Closer looks, each around the answer of the one before, until it stays well inside.
     let begin = Instant::now();
@@ -268,7 +272,7 @@ pub fn recover(
         let another = || look < MOST_LOOKS && effort.affords_another(begin, look);
         let closer = Look { evidence, pixels, parameters: unknown.parameters(), bounds: &bounds, effort: &effort, another: &another };
         let found = closer.at(&mut stage, &best, &mut seeds);
-        let last = !another();
+        let last = !another() || found.amiss().is_some();
         if !last && !stage.holds(&found.values) {
             best = found.values;
             continue;

@@ -89,6 +89,20 @@ impl<'a> Sheet<'a> {
         self.mean(values, reach, false)
     }
 
+    /// The values of the pixels on the four sides of one; the target's where they are not in the sheet. None of what is masked.
+    pub fn beside(&self, i: usize, values: &Half) -> Vec<[f64; 3]> {
+        let (x, y) = self.place(self.numbers[i]);
+        let (width, height) = (self.evidence.film.width, self.evidence.film.height);
+        let sides = [(x.wrapping_sub(1), y), (x + 1, y), (x, y.wrapping_sub(1)), (x, y + 1)];
+        let inside = sides.into_iter().filter(|(u, v)| *u < width && *v < height).map(|(u, v)| v * width + u);
+        let seen = inside.filter(|&n| self.evidence.mask.is_none_or(|mask| mask[n] > 0.0));
+        seen.map(|n| match self.places[n] {
+            u32::MAX => self.evidence.target.pixels[n].map(f64::from),
+            place => values[place as usize],
+        })
+        .collect()
+    }
+
     fn mean(&self, values: &[[f64; 3]], reach: isize, itself: bool) -> Vec<[f64; 3]> {
         let (width, height) = (self.evidence.film.width as isize, self.evidence.film.height as isize);
         let mean = |&n: &usize| {

@@ -230,6 +230,7 @@ mod tests {
             Recovery {
                 values,
                 own: covariance.clone(),
+                blur: None,
                 common: covariance.clone(),
                 covariance,
                 misfit: 0.0,

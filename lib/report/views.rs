@@ -92,7 +92,7 @@ impl Setting<'_> {
             count,
             width: film.width,
             lens: &film.lens(),
-            jitter: 1.0,
+            centred: film.filter.is_point(),
             blur: None,
             budget: Budget::Samples(samples),
             first: 0,

@@ -80,9 +80,9 @@ fn look(start: &str, target: &str, arguments: &Arguments, console: &Console) -> 
     let options = arguments.options()?;
     arguments.idle().iter().for_each(|option| console.note(&format!("{option} is for --exec and --direct; it does nothing here")));
     let until = arguments.search.time.map(|seconds| Instant::now() + Duration::from_secs_f64(seconds.min(1e9)));
-    let effort = Effort { seed: options.seed, until, tolerance: options.tolerance, quick: false, told: &|_| {} };
-    let Taken { photo, mut title, mut doubts, asked, found } = take(start, target, effort, arguments, console)?;
-    let unknown = photo.unknown();
+    let effort = Effort { seed: options.seed, until, tolerance: options.tolerance, around: None, quick: false, told: &|_| {} };
+    let Taken { mut photo, mut title, mut doubts, asked, found } = take(start, target, effort, arguments, console)?;
+    let unknown = &photo.unknown().clone();
     let (found, rounds) = found.unzip();
     let trail = Trail::new(unknown, rounds, arguments.search.log.as_deref())?;
     let effort = Effort { told: &|found| trail.hear(found), ..effort };
@@ -97,6 +97,7 @@ fn look(start: &str, target: &str, arguments: &Arguments, console: &Console) -> 
         }
     };
     let answer = answer::Answer::new(unknown, &found.values, Some(&found.known()));
+    title.extend(photo.blurred(&found));
     title.push(format!("chi2 {} over {} pixels", answer::six(found.chi2), found.pixels));
     Output::whole(arguments.common.output.as_deref(), &answer.file(&title)?)?;
     doubts.extend_from_slice(answer.doubts());

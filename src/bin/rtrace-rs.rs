@@ -100,7 +100,8 @@ fn rays(args: &Arguments, rules: &Rules, disk: &Disk, list: &dyn Fn(&str) -> Res
 fn picture(args: &Arguments, rules: &Rules, disk: &Disk, start: Instant, console: &Console) -> Outcome<Answer> {
     let options = &args.picture;
     let view = cli::view(&args.view)?;
-    let film = Film::new(&view, options.x.unwrap_or(512), options.y.unwrap_or(512), options.pa.unwrap_or(1.0))?;
+    let mut film = Film::new(&view, options.x.unwrap_or(512), options.y.unwrap_or(512), options.pa.unwrap_or(1.0))?;
+    film.filter = options.filter();
     let size = (film.width, film.height);
     let budget = args.accuracy.budget()?;
     let aovs = options.aov.as_ref().map(|words| film::aovs(&words[0])).transpose()?;
@@ -114,7 +115,7 @@ fn picture(args: &Arguments, rules: &Rules, disk: &Disk, start: Instant, console
         count: film.width * film.height,
         width: film.width,
         lens: &film.lens(),
-        jitter: options.pj.unwrap_or(1.0),
+        centred: film.filter.is_point(),
         blur: film.blur(options.pd.unwrap_or(0.0)),
         budget: budget.after(start.elapsed(), aovs.is_some()),
         first: args.accuracy.first(),

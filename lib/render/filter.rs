@@ -1,0 +1,135 @@
+//! Which of the light around its centre a pixel takes in.
+
+/// How much light counts by where it is in a pixel or beside it: along both axes alike, a density in steps.
+///
+/// A camera integrates the area of a pixel, a box. RADIANCE's pictures are rendered larger and reduced by `pfilt`, which weighs the large pixels
+/// by exp(−d²/r²) if it is told to (`-r`): half of the light of such a pixel comes from beside it, and is not the surface's roughness.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Filter {
+    /// The width of a step, in pixels.
+    step: f64,
+    /// The part of the light that counts up to the end of each step: rising, 1 at the last.
+    sums: Vec<f64>,
+}
+
+/// Steps to a pixel where it is not known how much larger the picture was.
+const FINE: f64 = 16.0;
+
+impl Filter {
+    /// All that falls on this part of a pixel's width and height counts alike: 1 is its area, 0 its centre.
+    pub fn boxed(width: f64) -> Self {
+        Self { step: width, sums: vec![1.0] }
+    }
+
+    /// What `pfilt -r` makes of a picture that was `larger` times as wide as its own: a Gaussian of this radius in pixels, cut off as there; a box
+    /// for a radius of 0.
+    pub fn gaussian(radius: f64, larger: Option<f64>) -> Self {
+        if radius <= 0.0 {
+            return Self::boxed(1.0);
+        }
+        let larger = larger.unwrap_or(FINE);
+        let count = 2 * (2.0 * radius * larger) as usize + 2 + larger.round() as usize % 2;
+        let weight = |i: usize| (-((i as f64 + 0.5 - 0.5 * count as f64) / (radius * larger)).powi(2)).exp();
+        let whole: f64 = (0..count).map(weight).sum();
+        let mut sum = 0.0;
+        let sums = (0..count).map(|i| {
+            sum += weight(i) / whole;
+            sum
+        });
+        Self { step: larger.recip(), sums: sums.collect() }
+    }
+
+    /// What the command lines in a picture's header say of its pixels; `None` if they say nothing.
+    pub fn said<'a>(lines: impl IntoIterator<Item = &'a str>) -> Option<Self> {
+        let (mut filter, mut width) = (None, None);
+        for line in lines {
+            let words: Vec<&str> = line.split_whitespace().collect();
+            let option = |name: &str| words.iter().position(|word| *word == name).and_then(|at| words.get(at + 1));
+            let number = |name: &str| option(name).and_then(|word| word.parse::<f64>().ok());
+            let radius = |name: &str| number(name).filter(|radius| (0.0..=WIDEST).contains(radius));
+            let mut larger = None;
+            match words.first().map(|word| word.rsplit('/').next().unwrap_or(word)) {
+                Some("pfilt") if ["-x", "-y", "-r"].iter().any(|name| words.contains(name)) => {
+                    let times = option("-x").and_then(|word| word.strip_prefix('/')?.parse::<f64>().ok());
+                    larger = times.or_else(|| Some(width? / number("-x")?)).filter(|times| (1.0..=FINE).contains(times));
+                    filter = radius("-r").map(|radius| Self::gaussian(radius, larger));
+                }
+                Some("rtrace-rs") => filter = radius("--filter").map(|radius| Self::gaussian(radius, None)),
+                _ => {}
+            }
+            width = larger.zip(width).map(|(times, width): (f64, f64)| width / times).or(number("-x")).or(width);
+        }
+        filter
+    }
+
+    /// Its variance along each axis, in pixels².
+    pub fn variance(&self) -> f64 {
+        let middle = 0.5 * (self.sums.len() as f64 - 1.0);
+        let steps = self.sums.iter().zip(std::iter::once(&0.0).chain(&self.sums)).enumerate();
+        let square = steps.map(|(i, (to, from))| (to - from) * (i as f64 - middle).powi(2)).sum::<f64>();
+        self.step.powi(2) * (square + 1.0 / 12.0)
+    }
+
+    /// Whether only the centre counts.
+    pub fn is_point(&self) -> bool {
+        self.step == 0.0
+    }
+
+    /// Where numbers in [0, 1] fall when all places are to be met as often as their light counts: in pixels, from one side of the pixel to the other
+    /// as from 0 to 1.
+    pub fn place(&self, at: [f64; 2]) -> [f64; 2] {
+        at.map(|u| {
+            let i = self.sums.partition_point(|sum| *sum <= u).min(self.sums.len() - 1);
+            let before = if i > 0 { self.sums[i - 1] } else { 0.0 };
+            0.5 + self.step * (i as f64 + (u - before) / (self.sums[i] - before) - 0.5 * self.sums.len() as f64)
+        })
+    }
+}
+
+/// The widest radius of a Gaussian, in pixels.
+pub const WIDEST: f64 = 16.0;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_gaussian_weighs_as_pfilt_does() {
+        // What each column of a picture three times as wide adds to a pixel of `pfilt -1 -x /3 -y /3 -r .6` (pyradiance 1.3.1), from pixels
+        // that shine one at a time. Its exponents are rounded, to twentieths and worse at the centre.
+        let columns = [0.0023, 0.0194, 0.0911, 0.2334, 0.3077, 0.2334, 0.0911, 0.0194, 0.0023];
+        let filter = Filter::gaussian(0.6, Some(3.0));
+        assert_eq!(filter.sums.len(), columns.len());
+        let mut before = 0.0;
+        for (sum, column) in filter.sums.iter().zip(columns) {
+            assert!((sum - before - column).abs() < 0.02 * column + 0.0001, "{} for {column}", sum - before);
+            before = *sum;
+        }
+        let ends = [0.0, 1.0].map(|u| filter.place([u; 2])[0]);
+        assert!((ends[0] + 1.0).abs() < 1e-9 && (ends[1] - 2.0).abs() < 1e-9, "{ends:?}");
+    }
+
+    #[test]
+    fn places_have_the_variance_of_the_filter() {
+        let of = |filter: &Filter| (0..4096).map(|i| (filter.place([(i as f64 + 0.5) / 4096.0; 2])[0] - 0.5).powi(2)).sum::<f64>() / 4096.0;
+        for (filter, variance) in [(Filter::boxed(1.0), 1.0 / 12.0), (Filter::boxed(0.0), 0.0), (Filter::gaussian(0.6, None), 0.175)] {
+            assert!((filter.variance() - variance).abs() <= 0.01 * variance, "{} for {variance}", filter.variance());
+            assert!((of(&filter) - filter.variance()).abs() <= 1e-3 * variance);
+        }
+        assert_eq!(Filter::boxed(1.0).place([0.123, 0.9]), [0.123, 0.9]);
+        assert_eq!(Filter::gaussian(0.0, None), Filter::boxed(1.0));
+    }
+
+    #[test]
+    fn a_header_says_what_was_done_last() {
+        let said = |lines: &[&str]| Filter::said(lines.iter().copied());
+        let gaussian = |radius, larger| Some(Filter::gaussian(radius, larger));
+        assert_eq!(said(&["rpict -x 960 -vf a.vf a.oct", "VIEW= -vp 0 0 0", "pfilt -1 -r .6 -x /3 -y /3"]), gaussian(0.6, Some(3.0)));
+        assert_eq!(said(&["rpict -x 960 a.oct", "/usr/bin/pfilt -r 1 -x 480", "\tpcomb -s 2 a.hdr"]), gaussian(1.0, Some(2.0)));
+        assert_eq!(said(&["pfilt -r .6 -x 480", "pfilt -1 -e +1"]), gaussian(0.6, None));
+        assert_eq!(said(&["rtrace-rs --filter .7 -x 64 a.rad"]), gaussian(0.7, None));
+        // A box takes in the area of its pixels, however they were filtered.
+        assert_eq!(said(&["pfilt -r .6 -x /2", "pfilt -x /4 -y /4"]), None);
+        assert_eq!(said(&["rpict -x 960 a.oct", "pfilt -r x -x 480", "pfilt -r -1 -x 0", "pfilt -r"]), None);
+    }
+}
