@@ -205,6 +205,10 @@ impl Look<'_> {
         for (i, way) in ways.iter().enumerate().filter(|(i, way)| **way != 0.0 && ahead[*i] == values[*i]) {
             now.covariance.set(i, i, now.covariance.at(i, i) + way * way);
         }
+        // A box gives none of a pixel's noise to others.
+        if let Some(variance) = self.evidence.film.filter.beyond() {
+            now.covariance = now.spread(variance);
+        }
         let (common, misfit) = (now.common(), misfit(sheet, &now.weights.halves, &now.place.halves));
         let (held, withheld) = (now.weights.kept.iter().any(|kept| *kept < 1.0), now.withheld());
         let (chi2, pixels) = (now.chi2(), sheet.numbers.len());

@@ -302,6 +302,28 @@ impl<'a> Scores<'a> {
         Symmetric::of(sizes.len(), |i, j| if i == j { sizes[i].powi(2) } else { sizes[i] * sizes[j] * correlations.at(i, j) })
     }
 
+    /// The covariance of the values where a filter has spread the photograph's noise over neighbouring pixels: pixels at the distance d then have
+    /// the correlation exp(−d²/4`variance`), and what they do to a value together is more than if they were independent, or less.
+    pub fn spread(&self, variance: f64) -> Symmetric {
+        let n = self.place.derivatives.len();
+        let Some(inverse) = &self.inverse else { return self.covariance.clone() };
+        let moved = |p: usize, c: usize| {
+            let error = weight(&self.weights.halves, p, c).sqrt();
+            times(inverse, &(0..n).map(|j| self.instrument(j, p, c) * error).collect::<Vec<_>>())
+        };
+        let all: Vec<[Vec<f64>; 3]> = (0..self.pixels()).into_par_iter().map(|p| std::array::from_fn(|c| moved(p, c))).collect();
+        let factor = |i: usize| {
+            let field: Vec<[f64; 3]> = all.iter().map(|moved| std::array::from_fn(|c| moved[c][i])).collect();
+            let product = |(a, b): (&[f64; 3], &[f64; 3])| (0..3).map(|c| a[c] * b[c]).sum::<f64>();
+            let [alone, together] =
+                [&field, &self.sheet.correlated(&field, variance)].map(|other| field.iter().zip(other).map(product).sum::<f64>());
+            if alone > 0.0 { (together / alone).max(0.0).sqrt() } else { 1.0 }
+        };
+        let factors: Vec<f64> = (0..n).map(factor).collect();
+        let photographed = |i: usize, j: usize| factors[i] * factors[j] * (self.covariance.at(i, j) - self.own.at(i, j));
+        Symmetric::of(n, |i, j| self.own.at(i, j) + photographed(i, j))
+    }
+
     /// The covariance of the values that is to be expected of a picture whose noise is what the weights say.
     pub fn expected(&self) -> Symmetric {
         let mut all = self.moved(|p, c| weight(&self.weights.halves, p, c).sqrt()).0;

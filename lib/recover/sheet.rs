@@ -89,6 +89,14 @@ impl<'a> Sheet<'a> {
         self.mean(values, reach, false)
     }
 
+    /// For each pixel, the sum of `values` over all that count, times the correlation of their noise with its own: exp(−d²/4`variance`).
+    pub fn correlated(&self, values: &[[f64; 3]], variance: f64) -> Vec<[f64; 3]> {
+        let reach = (4.0 * variance.sqrt()).ceil();
+        let falls: Vec<f64> = (0..=reach as i32).map(|d| (-f64::from(d).powi(2) / (4.0 * variance)).exp()).collect();
+        let share = |u: isize, v: isize| falls[u.unsigned_abs()] * falls[v.unsigned_abs()];
+        self.sums(values, reach as isize, share).map(|(sum, _)| sum).collect()
+    }
+
     /// The values of the pixels on the four sides of one; the target's where they are not in the sheet. None of what is masked.
     pub fn beside(&self, i: usize, values: &Half) -> Vec<[f64; 3]> {
         let (x, y) = self.place(self.numbers[i]);
@@ -104,22 +112,34 @@ impl<'a> Sheet<'a> {
     }
 
     fn mean(&self, values: &[[f64; 3]], reach: isize, itself: bool) -> Vec<[f64; 3]> {
+        let share = |u: isize, v: isize| f64::from(itself || (u, v) != (0, 0));
+        let sums = self.sums(values, reach, share);
+        sums.zip(values.par_iter()).map(|((sum, shares), own)| if shares > 0.0 { sum.map(|s| s / shares) } else { *own }).collect()
+    }
+
+    /// For each pixel, the sum of `values` over the pixels at most `reach` away that count, each times its share by how far to the right and how far
+    /// below it is; and the sum of those shares.
+    fn sums<'s>(
+        &'s self,
+        values: &'s [[f64; 3]],
+        reach: isize,
+        share: impl Fn(isize, isize) -> f64 + Sync + Send + 's,
+    ) -> impl IndexedParallelIterator<Item = ([f64; 3], f64)> + 's {
         let (width, height) = (self.evidence.film.width as isize, self.evidence.film.height as isize);
-        let mean = |&n: &usize| {
+        self.numbers.par_iter().map(move |&n| {
             let (x, y) = (n as isize % width, n as isize / width);
-            let (mut sum, mut count) = ([0.0; 3], 0.0);
+            let (mut sum, mut shares) = ([0.0; 3], 0.0);
             for v in (y - reach).max(0)..=(y + reach).min(height - 1) {
                 for u in (x - reach).max(0)..=(x + reach).min(width - 1) {
-                    let place = self.places[(v * width + u) as usize];
-                    if place != u32::MAX && (itself || (u, v) != (x, y)) {
-                        (0..3).for_each(|c| sum[c] += values[place as usize][c]);
-                        count += 1.0;
+                    let (place, share) = (self.places[(v * width + u) as usize], share(u - x, v - y));
+                    if place != u32::MAX && share > 0.0 {
+                        (0..3).for_each(|c| sum[c] += share * values[place as usize][c]);
+                        shares += share;
                     }
                 }
             }
-            if count > 0.0 { sum.map(|s| s / count) } else { values[self.places[n] as usize] }
-        };
-        self.numbers.par_iter().map(mean).collect()
+            (sum, shares)
+        })
     }
 
     fn masked(&self, i: usize, weight: [f64; 3]) -> [f32; 3] {

@@ -70,6 +70,11 @@ impl Filter {
         self.step.powi(2) * (square + 1.0 / 12.0)
     }
 
+    /// The same, if it takes in more than the area of the pixel.
+    pub fn beyond(&self) -> Option<f64> {
+        (self.step * self.sums.len() as f64 > 1.0).then(|| self.variance())
+    }
+
     /// Whether only the centre counts.
     pub fn is_point(&self) -> bool {
         self.step == 0.0
