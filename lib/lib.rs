@@ -45,7 +45,7 @@
 //! | [`render`] | all pixels: seeds, threads, sample budget, error estimate | rayon |
 //! | [`rays`] | what is asked and said of single rays, as `rtrace` reads and writes it | rayon |
 //! | [`transport`] | the basis: the picture as a function of one unknown material | rayon, wide |
-//! | [`recover`] | target, unknown and bounds to values and their standard errors | rayon |
+//! | [`recover`] | target, unknown and bounds to values and their standard errors | rayon, serde |
 //! | [`report`] | a recovery as one page to look at | serde |
 //! | [`args`] | what was typed | clap, clap_complete, clap_mangen |
 //! | [`cli`] | the outside: files, commands, progress, exit status | clap, rayon, serde, serde_json, signal_hook, tempfile |

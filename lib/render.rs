@@ -85,6 +85,11 @@ impl Film {
         Ok(Self { camera, width, height, filter: Filter::boxed(1.0) })
     }
 
+    /// The same with pixels that take in light by another filter.
+    pub fn through(self, filter: Filter) -> Self {
+        Self { filter, ..self }
+    }
+
     /// Rays of about a thousand of the pixels, spread over all.
     pub fn some_rays(&self) -> impl Iterator<Item = Ray> {
         let (count, lens) = (self.width * self.height, self.lens());

@@ -64,6 +64,9 @@ impl Look<'_> {
             _ => 0.0,
         };
         let between = |p: usize, q: usize| mean(&|i| (value(i, p) - values[p]) * (value(i, q) - values[q]));
+        // What is left open between them, the noise of the rendering makes as large a part of as of the residuals.
+        let own = candidates[best].own_part();
+        found.own = Symmetric::of(values.len(), |p, q| own * (within(p, q) + between(p, q)));
         found.covariance = Symmetric::of(values.len(), |p, q| within(p, q) + between(p, q));
         found.values = values;
         found

@@ -212,6 +212,18 @@ impl<'a> Scores<'a> {
         common > AGREED * whole
     }
 
+    /// The part of the squares of what both halves together are off by that the noise of the rendering makes.
+    pub fn own_part(&self) -> f64 {
+        let sums = total(self.pixels(), 2, |p, sums| {
+            for c in 0..3 {
+                let (w, [a, b]) = (weight(&self.weights.halves, p, c), [0, 1].map(|half| self.residual(p, c, half)));
+                sums[0] += w * (a - b).powi(2);
+                sums[1] += w * (a + b).powi(2);
+            }
+        });
+        if sums[1] > 0.0 { (sums[0] / sums[1]).min(1.0) } else { 0.0 }
+    }
+
     /// How much of the derivative by each parameter is not noise, from 0 to 1.
     pub fn clarity(&self) -> Vec<f64> {
         let clarity = |d: &Vec<Half>| {

@@ -100,8 +100,7 @@ fn rays(args: &Arguments, rules: &Rules, disk: &Disk, list: &dyn Fn(&str) -> Res
 fn picture(args: &Arguments, rules: &Rules, disk: &Disk, start: Instant, console: &Console) -> Outcome<Answer> {
     let options = &args.picture;
     let view = cli::view(&args.view)?;
-    let mut film = Film::new(&view, options.x.unwrap_or(512), options.y.unwrap_or(512), options.pa.unwrap_or(1.0))?;
-    film.filter = options.filter();
+    let film = Film::new(&view, options.x.unwrap_or(512), options.y.unwrap_or(512), options.pa.unwrap_or(1.0))?.through(options.filter());
     let size = (film.width, film.height);
     let budget = args.accuracy.budget()?;
     let aovs = options.aov.as_ref().map(|words| film::aovs(&words[0])).transpose()?;
