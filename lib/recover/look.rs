@@ -210,7 +210,7 @@ impl Look<'_> {
             now.covariance = now.spread(variance);
         }
         let (common, misfit) = (now.common(), misfit(sheet, &now.weights.halves, &now.place.halves));
-        let (held, withheld) = (now.weights.kept.iter().any(|kept| *kept < 1.0), now.withheld(!model.glints()));
+        let (held, withheld) = (now.weights.kept.iter().any(|kept| *kept < 1.0), now.withheld());
         let (chi2, pixels) = (now.chi2(), sheet.numbers.len());
         let found =
             Recovery { values, covariance: now.covariance, own: now.own, common, misfit, blur: None, chi2, pixels, losses, clarity };

@@ -178,13 +178,12 @@ impl<'a> Scores<'a> {
         })
     }
 
-    /// Where the pixels that are held back would move the values, and how sure that is. Where it may be chance, `None`; or if that is `hedged`, as much
-    /// of it as it is likely to be none, which leaves open whether it is.
+    /// Where the pixels that are held back would move the values, and how sure that is; `None` where it may be chance.
     ///
     /// Noise that is as often too bright as too dark leaves nothing there. But a photograph whose few samples seldom find a small lamp is too dark
     /// in most pixels, and far too bright in some: these lead astray on the way, and are a part of the mean in the end. What only one half is off
     /// by is noise of the rendering, and more samples will mend it.
-    pub fn withheld(&self, hedged: bool) -> Option<Way> {
+    pub fn withheld(&self) -> Option<Way> {
         let (inverse, n) = (self.inverse.as_ref()?, self.prior.len());
         let sums = total(self.pixels(), n + n * n, |p, sums| {
             let more = 1.0 / self.weights.kept[p] as f64 - 1.0;
@@ -197,13 +196,7 @@ impl<'a> Scores<'a> {
         });
         let (way, covariance) = (sums[..n].to_vec(), Symmetric::of(n, |i, j| sums[n + i * n + j]));
         let sure = |i: usize| way[i].powi(2) > SKEWED * covariance.at(i, i) && way[i].powi(2) > self.covariance.at(i, i);
-        if (0..n).any(sure) {
-            return Some((way, covariance));
-        }
-        let square = (0..n).filter(|&i| way[i] != 0.0).map(|i| way[i].powi(2) / covariance.at(i, i)).reduce(f64::max).filter(|_| hedged)?;
-        let share = (1.0 + (0.5 * (SKEWED - square)).exp()).recip();
-        let all = Symmetric::of(n, |i, j| share * (covariance.at(i, j) + (1.0 - share) * way[i] * way[j]));
-        Some((way.iter().map(|way| share * way).collect(), all))
+        (0..n).any(sure).then_some((way, covariance))
     }
 
     /// Whether both halves are off at a pixel by about as much.
