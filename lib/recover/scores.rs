@@ -316,24 +316,22 @@ impl<'a> Scores<'a> {
 
     /// The covariance of the values where a filter has spread the photograph's noise over neighbouring pixels: pixels at the distance d then have
     /// the correlation exp(−d²/4`variance`), and what they do to a value together is more than if they were independent, or less.
+    /// The rendering's noise is not spread.
     pub fn spread(&self, variance: f64) -> Symmetric {
         let n = self.place.derivatives.len();
         let Some(inverse) = &self.inverse else { return self.covariance.clone() };
-        let moved = |p: usize, c: usize| {
-            let error = weight(&self.weights.halves, p, c).sqrt();
-            times(inverse, &(0..n).map(|j| self.instrument(j, p, c) * error).collect::<Vec<_>>())
-        };
+        let moved = |p: usize, c: usize| self.pulled(inverse, p, c, weight(&self.weights.halves, p, c).sqrt());
         let all: Vec<[Vec<f64>; 3]> = (0..self.pixels()).into_par_iter().map(|p| std::array::from_fn(|c| moved(p, c))).collect();
         let factor = |i: usize| {
             let field: Vec<[f64; 3]> = all.iter().map(|moved| std::array::from_fn(|c| moved[c][i])).collect();
             let product = |(a, b): (&[f64; 3], &[f64; 3])| (0..3).map(|c| a[c] * b[c]).sum::<f64>();
             let [alone, together] =
                 [&field, &self.sheet.correlated(&field, variance)].map(|other| field.iter().zip(other).map(product).sum::<f64>());
-            if alone > 0.0 { (together / alone).max(0.0).sqrt() } else { 1.0 }
+            let photographed = (1.0 - self.own.at(i, i) / self.covariance.at(i, i)).max(0.0);
+            if alone > 0.0 && photographed > 0.0 { (1.0 + photographed * (together / alone - 1.0)).sqrt() } else { 1.0 }
         };
         let factors: Vec<f64> = (0..n).map(factor).collect();
-        let photographed = |i: usize, j: usize| factors[i] * factors[j] * (self.covariance.at(i, j) - self.own.at(i, j));
-        Symmetric::of(n, |i, j| self.own.at(i, j) + photographed(i, j))
+        Symmetric::of(n, |i, j| factors[i] * factors[j] * self.covariance.at(i, j))
     }
 
     /// The covariance of the values that is to be expected of a picture whose noise is what the weights say.
@@ -344,6 +342,11 @@ impl<'a> Scores<'a> {
             all = Symmetric::of(all.size(), |i, j| all.at(i, j) + known(i, j));
         }
         all
+    }
+
+    /// What an error of that weight in a channel of a pixel does to the values.
+    fn pulled(&self, inverse: &[Vec<f64>], p: usize, c: usize, error: f64) -> Vec<f64> {
+        times(inverse, &(0..self.prior.len()).map(|j| self.instrument(j, p, c) * error).collect::<Vec<_>>())
     }
 
     /// What errors of that weight in each pixel and channel do to the values: the sum of their products, and of their sizes. What is held back
@@ -357,8 +360,7 @@ impl<'a> Scores<'a> {
             }
             let (sizes, squares) = sums.split_at_mut(n);
             for c in 0..3 {
-                let error = error(p, c);
-                let moved = times(inverse, &(0..n).map(|j| self.instrument(j, p, c) * error).collect::<Vec<_>>());
+                let moved = self.pulled(inverse, p, c, error(p, c));
                 sizes.iter_mut().zip(&moved).for_each(|(size, m)| *size += m.abs());
                 add_square(squares, &moved);
             }
