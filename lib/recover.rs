@@ -191,7 +191,7 @@ impl Recovery {
 
     /// How its pixels are blurred, if they surely are otherwise than they were taken to be, and that was to be found.
     fn amiss(&self) -> Option<Blur> {
-        self.blur.filter(|blur| blur.sought && blur.is_sure() && blur.is_far())
+        self.blur.filter(|blur| blur.sought && blur.is_sure())
     }
 
     /// By how many standard errors the pixels that both have seen, which come in the same order, are farther off than in another. None counts for
@@ -257,7 +257,7 @@ pub fn recover(evidence: &Evidence, unknown: &Unknown, material: MaterialId, eff
     let mut found = once(&film, effort)?;
     for _ in 0..MOST_FILTERS {
         let Some(blur) = found.amiss().filter(|_| !effort.late()) else { break };
-        film.filter = Filter::gaussian(blur.radius().0, None);
+        film = film.through(Filter::blurring(blur.variance()));
         found = once(&film, Effort { around: Some(&found.values), ..effort })?;
     }
     Ok(found)

@@ -61,14 +61,15 @@ impl<'a> Photo<'a> {
             let picture = taken.map_or_else(String::new, |(name, _)| format!(", and {name} does not say its own"));
             return Err(Error::new(format!("no view{picture}; give the view it is taken from with -vf FILE")).into());
         }
-        let mut film = match &taken {
+        let film = match &taken {
             Some((_, target)) => Film::new(&view, target.width, target.height, 0.0)?,
             None => Film::new(&view, photo.x.unwrap_or(PREDICTED), photo.y.unwrap_or(PREDICTED), 1.0)?,
         };
         let said = taken.as_ref().and_then(|(_, target)| Filter::said(target.header.lines.iter().map(String::as_str)));
-        film.filter = match (photo.filter, said) {
-            (Some(Sharpness::Radius(radius)), _) => Filter::gaussian(radius, None),
-            (_, said) => said.unwrap_or(film.filter),
+        let film = match (photo.filter, said) {
+            (Some(Sharpness::Radius(radius)), _) => film.through(Filter::gaussian(radius, None)),
+            (_, Some(said)) => film.through(said),
+            _ => film,
         };
         disk.count(view.header_line().as_bytes());
         let (name, target) = taken.unwrap_or_else(|| {
@@ -189,7 +190,7 @@ impl<'a> Photo<'a> {
     pub fn blurred(&mut self, found: &Recovery) -> Option<String> {
         let blur = found.blur.filter(|blur| blur.sought)?;
         if self.film.filter.variance() != blur.taken {
-            self.film.filter = Filter::gaussian((2.0 * blur.taken).sqrt(), None);
+            self.film = self.film.clone().through(Filter::blurring(blur.taken));
         }
         Some(blur.title())
     }

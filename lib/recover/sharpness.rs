@@ -9,6 +9,7 @@ use super::look::{Look, Model};
 use super::scores::{Place, Scores, Way};
 use super::sheet::{Half, Sheet};
 use crate::anneal::linear::Symmetric;
+use crate::render::Filter;
 use crate::transport::Basis;
 use serde::{Deserialize, Serialize};
 
@@ -28,8 +29,7 @@ pub struct Blur {
 /// From how many standard errors, and from how much, a blur is told.
 const SURE: f64 = 5.0;
 const LEAST: f64 = 0.01;
-/// What first order does not do for, and the part of itself that it may be wrong by: a third where it is .1.
-const FAR: f64 = 0.02;
+/// The part of itself that it may be wrong by, to first order: a third where it is .1.
 const WRONG: f64 = 0.2;
 
 /// The bounds of what may be found at once.
@@ -43,14 +43,14 @@ impl Blur {
         self.more.abs() > SURE * self.error && self.more.abs() > LEAST
     }
 
-    /// Whether it is so much that first order does not do.
-    pub fn is_far(&self) -> bool {
-        self.more.abs() > FAR
+    /// The variance that the pixels seem to have.
+    pub fn variance(&self) -> f64 {
+        self.taken + self.more
     }
 
     /// The radius of the Gaussian (`pfilt -r`) that blurs as much as the picture is blurred, and its standard error, in pixels.
     pub fn radius(&self) -> (f64, f64) {
-        let radius = (2.0 * (self.taken + self.more).max(0.0)).sqrt();
+        let radius = Filter::radius(self.variance());
         let error = self.error.hypot(WRONG * self.more);
         (radius, error / radius.max(error.sqrt()))
     }

@@ -29,7 +29,9 @@ impl Filter {
         }
         let larger = larger.unwrap_or(FINE);
         let count = 2 * (2.0 * radius * larger) as usize + 2 + larger.round() as usize % 2;
-        let weight = |i: usize| (-((i as f64 + 0.5 - 0.5 * count as f64) / (radius * larger)).powi(2)).exp();
+        let exponent = |i: usize| ((i as f64 + 0.5 - 0.5 * count as f64) / (radius * larger)).powi(2);
+        // The steps at the centre weigh 1, however narrow it is.
+        let weight = |i: usize| (exponent(count / 2) - exponent(i)).exp();
         let whole: f64 = (0..count).map(weight).sum();
         let mut sum = 0.0;
         let sums = (0..count).map(|i| {
@@ -39,12 +41,26 @@ impl Filter {
         Self { step: larger.recip(), sums: sums.collect() }
     }
 
+    /// The Gaussian of this variance along each axis, in pixels²: the centre alone for 0.
+    pub fn blurring(variance: f64) -> Self {
+        let unit = Self::gaussian(1.0, None);
+        Self { step: unit.step * Self::radius(variance), ..unit }
+    }
+
+    /// The radius of the Gaussian of this variance.
+    pub fn radius(variance: f64) -> f64 {
+        (variance.max(0.0) / Self::gaussian(1.0, None).variance()).sqrt()
+    }
+
     /// What the command lines in a picture's header say of its pixels; `None` if they say nothing.
     pub fn said<'a>(lines: impl IntoIterator<Item = &'a str>) -> Option<Self> {
         let (mut filter, mut width) = (None, None);
         for line in lines {
             let words: Vec<&str> = line.split_whitespace().collect();
-            let option = |name: &str| words.iter().position(|word| *word == name).and_then(|at| words.get(at + 1));
+            let option = |name: &str| {
+                let at = words.iter().position(|word| *word == name).map(|at| words.get(at + 1).copied());
+                at.unwrap_or_else(|| words.iter().find_map(|word| word.strip_prefix(name)?.strip_prefix('=')))
+            };
             let number = |name: &str| option(name).and_then(|word| word.parse::<f64>().ok());
             let radius = |name: &str| number(name).filter(|radius| (0.0..=WIDEST).contains(radius));
             let mut larger = None;
@@ -123,6 +139,9 @@ mod tests {
         }
         assert_eq!(Filter::boxed(1.0).place([0.123, 0.9]), [0.123, 0.9]);
         assert_eq!(Filter::gaussian(0.0, None), Filter::boxed(1.0));
+        assert_eq!(Filter::gaussian(1e-9, None), Filter { step: 0.0625, sums: vec![0.5, 1.0] });
+        assert!((Filter::blurring(0.2).variance() - 0.2).abs() < 1e-12 && (Filter::radius(0.5) - 1.0).abs() < 0.02);
+        assert!(Filter::blurring(-0.1).is_point());
     }
 
     #[test]
@@ -133,6 +152,7 @@ mod tests {
         assert_eq!(said(&["rpict -x 960 a.oct", "/usr/bin/pfilt -r 1 -x 480", "\tpcomb -s 2 a.hdr"]), gaussian(1.0, Some(2.0)));
         assert_eq!(said(&["pfilt -r .6 -x 480", "pfilt -1 -e +1"]), gaussian(0.6, None));
         assert_eq!(said(&["rtrace-rs --filter .7 -x 64 a.rad"]), gaussian(0.7, None));
+        assert_eq!(said(&["rtrace-rs --filter=.7 -x 64 a.rad"]), gaussian(0.7, None));
         // A box takes in the area of its pixels, however they were filtered.
         assert_eq!(said(&["pfilt -r .6 -x /2", "pfilt -x /4 -y /4"]), None);
         assert_eq!(said(&["rpict -x 960 a.oct", "pfilt -r x -x 480", "pfilt -r -1 -x 0", "pfilt -r"]), None);
