@@ -236,6 +236,9 @@ impl Arguments {
         if !self.photo.predict && (self.photo.x.is_some() || self.photo.y.is_some()) {
             return Err(Error::new("-x and -y are the size of a picture that --predict supposes; a --target has its own"));
         }
+        if self.photo.filter == Some(Sharpness::Unknown) && (self.photo.predict || self.photo.direct) {
+            return Err(Error::new("--filter auto finds the filter of a --target without --direct; give its radius here"));
+        }
         let words: Vec<&str> = self.words.iter().map(String::as_str).collect();
         match words[..] {
             ["propose", state] => Ok(Job::Propose(state.into(), None)),
@@ -320,6 +323,7 @@ mod tests {
         assert_eq!(job("anneal tell s").unwrap(), Job::Tell("s".into(), None));
         assert_eq!(job("anneal best s").unwrap(), Job::Best("s".into()));
         assert!(job("anneal tell s x").unwrap_err().message.contains("`x` is not a number"));
+        assert!(job("anneal --scene s.rad --predict --filter auto a.rad").unwrap_err().message.contains("give its radius"));
         assert!(job("anneal a.rad b.rad").unwrap_err().message.contains("one START.rad only"));
         assert!(job("anneal propose").unwrap_err().message.contains("propose takes the file"));
     }
