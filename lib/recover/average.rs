@@ -1,9 +1,9 @@
-//! What to answer where the pixels hardly tell one of the values: the average over all that it may be.
+//! What to answer where the pixels hardly tell some of the values: the average over all that they may be.
 //!
 //! A lobe that is narrow beside what the light does within it changes the picture with the square of its roughness: the derivative vanishes with
 //! it, and what is left is noise. Standard errors are of derivatives. There, a roughness of .02 came out as .0013 ± .005, and colours, which go
-//! with it, five standard errors off. So all other values are found for each that this one may have, and count by how sure it is that the pixels
-//! are farther off there (a profile, integrated numerically: Venzon and Moolgavkar 1988; Hoeting et al. 1999, "Bayesian model averaging").
+//! with it, five standard errors off. So all other values are found for each that these may have, and count by how sure it is that the pixels are
+//! farther off there (a profile, integrated numerically: Venzon and Moolgavkar 1988; Hoeting et al. 1999, "Bayesian model averaging").
 
 use super::Recovery;
 use super::look::{Look, Model};
@@ -18,21 +18,91 @@ const STEPS: usize = 4;
 /// By how many standard errors pixels must be nearer elsewhere for what was found not to be the best.
 const SURE: f64 = 2.0;
 
+/// All that the values in doubt may be together, in a row: the last of them changes fastest.
+struct Range {
+    /// The place of each among the parameters, and all that it may be, rising.
+    axes: Vec<(usize, Vec<f64>)>,
+}
+
+impl Range {
+    fn len(&self) -> usize {
+        self.axes.iter().map(|(_, all)| all.len()).product()
+    }
+
+    /// How far each value is along its axis, and how far in the row its next one is.
+    fn places(&self, i: usize) -> impl Iterator<Item = (usize, usize)> {
+        let mut stride = self.len();
+        self.axes.iter().map(move |(_, all)| {
+            stride /= all.len();
+            (i / stride % all.len(), stride)
+        })
+    }
+
+    /// The parameters in doubt and their values.
+    fn values(&self, i: usize) -> impl Iterator<Item = (usize, f64)> {
+        self.axes.iter().zip(self.places(i)).map(|((slot, all), (at, _))| (*slot, all[at]))
+    }
+
+    /// The part of all that they may be that this stands for.
+    fn size(&self, i: usize) -> f64 {
+        self.axes.iter().zip(self.places(i)).map(|((_, all), (at, _))| width(all, at)).product()
+    }
+
+    /// The variance of a value in doubt within that part; at an end of its axis also within all that lies beyond, where was not looked.
+    fn variance(&self, i: usize, parameter: usize, (low, high): (f64, f64)) -> f64 {
+        let own = |((slot, all), (at, _)): (&(usize, Vec<f64>), (usize, usize))| {
+            let below = if at == 0 { all[0] - low } else { 0.0 };
+            let above = if at + 1 == all.len() { high - all[at] } else { 0.0 };
+            (*slot == parameter).then(|| width(all, at).powi(2) / 12.0 + below.max(above).max(0.0).powi(2) / 3.0)
+        };
+        self.axes.iter().zip(self.places(i)).filter_map(own).sum()
+    }
+
+    /// The most of `off` that must be crossed from `start` to each other place, by steps along one axis, on the best way.
+    fn crossed(&self, off: &[f64], start: usize) -> Vec<f64> {
+        let mut levels = vec![f64::INFINITY; off.len()];
+        levels[start] = off[start].max(0.0);
+        for _ in 0..off.len() {
+            for i in 0..off.len() {
+                let beside = self
+                    .axes
+                    .iter()
+                    .zip(self.places(i))
+                    .flat_map(|((_, all), (at, stride))| [(at > 0).then(|| i - stride), (at + 1 < all.len()).then(|| i + stride)]);
+                let nearest = beside.flatten().map(|i| levels[i]).fold(f64::INFINITY, f64::min);
+                levels[i] = levels[i].min(nearest.max(off[i]));
+            }
+        }
+        levels
+    }
+}
+
+/// The part of an axis that a value on it stands for.
+fn width(axis: &[f64], at: usize) -> f64 {
+    0.5 * (axis[(at + 1).min(axis.len() - 1)] - axis[at.saturating_sub(1)])
+}
+
 impl Look<'_> {
-    /// What was found; averaged, if one of its values is in doubt.
+    /// What was found; averaged, if some of its values are in doubt.
     pub fn averaged(&self, mut found: Recovery, sheet: &Sheet, model: &dyn Model, basis: &Basis) -> Recovery {
-        let Some((slot, all)) = model.doubtful(&found.clarity) else { return found };
+        let range = Range { axes: model.doubtful(&found.clarity) };
+        if range.axes.is_empty() {
+            return found;
+        }
+        let doubtful = |parameter: usize| range.axes.iter().any(|(slot, _)| *slot == parameter);
         let halves = pictures(basis, &[model.coefficients(&found.values)]).swap_remove(0);
         let weights = sheet.by_variance(&halves, &sheet.variances(&halves, basis), &basis.samples);
         let scores = |values: &[f64]| {
             let mut place = Place::new(model, basis, values, self.bounds);
             // A value that no pixel tells stays where it is.
-            place.derivatives[slot].iter_mut().for_each(|half| half.fill([0.0; 3]));
+            for (slot, _) in &range.axes {
+                place.derivatives[*slot].iter_mut().for_each(|half| half.fill([0.0; 3]));
+            }
             Scores::new(sheet, weights.clone(), place, self.bounds)
         };
-        let best_with = |value: &f64| {
+        let best_with = |i: usize| {
             let mut values = found.values.clone();
-            values[slot] = *value;
+            range.values(i).for_each(|(slot, value)| values[slot] = value);
             let mut best = scores(&values);
             for _ in 0..STEPS {
                 let Some(step) = best.step() else { break };
@@ -41,26 +111,25 @@ impl Look<'_> {
             }
             best
         };
-        let candidates: Vec<Scores> = all.par_iter().map(best_with).collect();
-        let smallest = |of: &dyn Fn(usize) -> f64| (0..all.len()).min_by(|&a, &b| of(a).total_cmp(&of(b))).unwrap_or(0);
+        let candidates: Vec<Scores> = (0..range.len()).into_par_iter().map(best_with).collect();
+        let smallest = |of: &dyn Fn(usize) -> f64| (0..range.len()).min_by(|&a, &b| of(a).total_cmp(&of(b))).unwrap_or(0);
         let excess = |from: usize| -> Vec<f64> { candidates.iter().map(|other| candidates[from].excess(&other.place)).collect() };
-        let mut best = smallest(&|i| (all[i] - found.values[slot]).abs());
+        let mut best = smallest(&|i| range.values(i).map(|(slot, value)| (value - found.values[slot]).abs()).sum());
         let mut off = excess(best);
         let elsewhere = smallest(&|i| off[i]);
         if off[elsewhere] < -SURE {
             (best, off) = (elsewhere, excess(elsewhere));
         }
         // What lies beyond a value that is worse is no better, but less well known.
-        let farther = |i: usize| off[i.min(best)..=i.max(best)].iter().copied().fold(0.0, f64::max);
-        let width = |i: usize| 0.5 * (all[(i + 1).min(all.len() - 1)] - all[i.saturating_sub(1)]);
-        let shares: Vec<f64> = (0..all.len()).map(|i| width(i) * (-0.5 * farther(i).powi(2)).exp()).collect();
+        let farther = range.crossed(&off, best);
+        let shares: Vec<f64> = (0..range.len()).map(|i| range.size(i) * (-0.5 * farther[i].powi(2)).exp()).collect();
         let whole: f64 = shares.iter().sum();
         let mean = |of: &dyn Fn(usize) -> f64| shares.iter().enumerate().map(|(i, share)| share / whole * of(i)).sum::<f64>();
         let value = |i: usize, parameter: usize| candidates[i].place.values[parameter];
         let values: Vec<f64> = (0..found.values.len()).map(|p| mean(&|i| value(i, p))).collect();
-        let within = |p: usize, q: usize| match (p == slot, q == slot) {
+        let within = |p: usize, q: usize| match (doubtful(p), doubtful(q)) {
             (false, false) => candidates[best].covariance.at(p, q),
-            (true, true) => mean(&|i| width(i).powi(2) / 12.0),
+            _ if p == q => mean(&|i| range.variance(i, p, self.bounds[p])),
             _ => 0.0,
         };
         let between = |p: usize, q: usize| mean(&|i| (value(i, p) - values[p]) * (value(i, q) - values[q]));
@@ -70,5 +139,22 @@ impl Look<'_> {
         found.covariance = Symmetric::of(values.len(), |p, q| within(p, q) + between(p, q));
         found.values = values;
         found
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_lies_beyond_something_worse_is_as_bad_unless_there_is_a_way_around() {
+        let range = Range { axes: vec![(4, vec![1.0, 2.0, 4.0]), (5, vec![1.0, 2.0, 4.0])] };
+        let off = [0.0, 9.0, 1.0, -1.0, 5.0, 2.0, 7.0, 3.0, 2.0];
+        assert_eq!(range.crossed(&off, 0), [0.0, 9.0, 5.0, 0.0, 5.0, 5.0, 7.0, 5.0, 5.0]);
+        assert_eq!(range.values(5).collect::<Vec<_>>(), [(4, 2.0), (5, 4.0)]);
+        assert_eq!(range.size(4), 1.5 * 1.5);
+        // At an end of an axis it may lie anywhere up to the bound.
+        assert_eq!(range.variance(3, 4, (0.0, 4.0)), 1.5 * 1.5 / 12.0);
+        assert_eq!(range.variance(6, 4, (0.0, 10.0)), 1.0 / 12.0 + 36.0 / 3.0);
     }
 }

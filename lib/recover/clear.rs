@@ -99,8 +99,8 @@ impl Model for Stage<'_> {
         values
     }
 
-    fn doubtful(&self, _: &[f64]) -> Option<(usize, Vec<f64>)> {
-        None
+    fn doubtful(&self, _: &[f64]) -> Vec<(usize, Vec<f64>)> {
+        vec![]
     }
 
     fn glints(&self) -> bool {

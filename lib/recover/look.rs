@@ -26,9 +26,9 @@ pub trait Model: Sync {
     /// The nearest values at which the model can be trusted.
     fn trusted(&self, values: &[f64]) -> Vec<f64>;
 
-    /// A value whose derivative is so much noise that its standard error says little, and all that it may be, rising, as far as the model goes;
-    /// `None` if there is none.
-    fn doubtful(&self, clarity: &[f64]) -> Option<(usize, Vec<f64>)>;
+    /// The values whose derivatives are so much noise that their standard errors say little, each with all that it may be, rising, as far as the
+    /// model goes.
+    fn doubtful(&self, clarity: &[f64]) -> Vec<(usize, Vec<f64>)>;
 
     /// Whether few samples hold much of the light of a pixel: what is held back is then missed.
     fn glints(&self) -> bool;

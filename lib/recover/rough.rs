@@ -49,8 +49,10 @@ const PULLS: [f64; 2] = [0.3, 0.1];
 /// with a third more, rounds take longer.
 const LEAST: [f64; 2] = [48.0, 32.0];
 
-/// Looks before the search gives up to keep the answer inside the nodes.
+/// Looks before the search gives up to keep the answer inside the nodes; and after which one that strays where the derivatives are mostly noise
+/// is taken to have lost its way.
 const MOST_LOOKS: u32 = 10;
+const LOST: u32 = 3;
 
 /// Where directions are drawn from, in terms of the roughness: when it is hardly known, and when its relative standard error is below this.
 const WIDE: [f64; 3] = [0.3, 1.0, 3.0];
@@ -183,9 +185,9 @@ impl Model for Stage<'_> {
         values
     }
 
-    fn doubtful(&self, clarity: &[f64]) -> Option<(usize, Vec<f64>)> {
-        let least = self.axes().min_by(|a, b| clarity[a.1].total_cmp(&clarity[b.1]));
-        least.filter(|(_, slot)| clarity[*slot] < DOUBTFUL).map(|(axis, slot)| (slot, self.grid[axis].clone()))
+    fn doubtful(&self, clarity: &[f64]) -> Vec<(usize, Vec<f64>)> {
+        let doubtful = self.axes().filter(|(_, slot)| clarity[*slot] < DOUBTFUL);
+        doubtful.map(|(axis, slot)| (slot, self.grid[axis].clone())).collect()
     }
 
     fn glints(&self) -> bool {
@@ -269,16 +271,20 @@ pub fn recover(
         tell(&format!("look {look}: {best:.4?}"));
         let grid = roughness(kind, &unknown.reals(&best)).map(|middle| around(middle, nodes));
         let mut stage = Stage::new(evidence, unknown, material, kind, grid, vec![]);
-        let another = || look < MOST_LOOKS && effort.affords_another(begin, look);
+        let late = || !effort.affords_another(begin, look);
+        let another = || look < MOST_LOOKS && !late();
         let closer = Look { evidence, pixels, parameters: unknown.parameters(), bounds: &bounds, effort: &effort, another: &another };
         let found = closer.at(&mut stage, &best, &mut seeds);
-        let last = !another() || found.amiss().is_some();
-        if !last && !stage.holds(&found.values) {
+        if late() || found.amiss().is_some() {
+            return Ok(found);
+        }
+        let (doubtful, strayed) = (stage.doubtful(&found.clarity), !stage.holds(&found.values));
+        if strayed && another() && (look < LOST || doubtful.is_empty()) {
             best = found.values;
             continue;
         }
-        let held = |slot: usize| found.errors()[slot] <= HELD * found.values[slot].abs();
-        if last || stage.doubtful(&found.clarity).is_none_or(|(slot, _)| held(slot)) {
+        let held = |slot: usize| !strayed && found.errors()[slot] <= HELD * found.values[slot].abs();
+        if doubtful.iter().all(|(slot, _)| held(*slot)) {
             return Ok(found);
         }
         tell("last look");
