@@ -43,6 +43,8 @@ pub struct Report<'a> {
     pub chi2: f64,
     /// How many pixels counted, if pixels were looked at.
     pub pixels: Option<usize>,
+    /// What was found of the filter of the picture's pixels, if that was sought.
+    pub filter: Option<String>,
     /// What there is to doubt.
     pub doubts: &'a [String],
     /// How it was found.
@@ -109,9 +111,10 @@ impl Report<'_> {
     /// What it is, in a sentence, and what to beware of.
     fn head(&self) -> String {
         let size = self.pixels.map_or_else(String::new, |n| format!(" over {} pixels", thousands(n)));
+        let filter = self.filter.as_ref().map_or_else(String::new, |filter| format!(", {}", escape(filter)));
         let values = if self.parameters.len() == 1 { "value" } else { "values" };
         let mut out = format!(
-            "<header>\n<h1>{}</h1>\n<p class=\"kind\">{}, recovered: {} {values}, {} = {}{size}</p>\n</header>\n",
+            "<header>\n<h1>{}</h1>\n<p class=\"kind\">{}, recovered: {} {values}, {} = {}{size}{filter}</p>\n</header>\n",
             escape(self.name),
             escape(self.kind),
             self.parameters.len(),
@@ -145,10 +148,11 @@ impl Report<'_> {
             );
             out += &uncertain.map_or_else(String::new, |e| format!("<td class=\"number\">{e}</td>"));
             if let (Some(own), Some(error)) = (&self.own, error) {
+                // Both are estimates.
                 let share = (own[i] / error).powi(2);
                 out += &format!(
                     "<td class=\"number\">{}</td>",
-                    if share.is_finite() { format!("{} %", fixed(100.0 * share, 0)) } else { "–".into() }
+                    if share.is_finite() { format!("{} %", fixed(100.0 * share.min(1.0), 0)) } else { "–".into() }
                 );
             }
             out += &format!("<td>{}</td></tr>\n", place(parameter, value, error));

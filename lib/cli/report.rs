@@ -72,6 +72,7 @@ pub fn of_recovery(path: &Path, found: &Recovery, answer: &Answer, photo: &Photo
     let told = Report {
         own: Some(found.own.deviations()),
         pixels: Some(found.pixels),
+        filter: found.blur.filter(|blur| blur.sought).map(|blur| blur.title()),
         trail: &trail.moments(),
         unit: "round",
         ..told(answer, found.chi2)
@@ -102,6 +103,7 @@ fn told<'a>(answer: &'a Answer, chi2: f64) -> Report<'a> {
         correlations: answer.correlations().cloned(),
         chi2,
         pixels: None,
+        filter: None,
         doubts: answer.doubts(),
         trail: &[],
         unit: "",
