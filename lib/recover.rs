@@ -189,9 +189,14 @@ impl Recovery {
         self.covariance.deviations()
     }
 
-    /// How its pixels are blurred, if they surely are otherwise than they were taken to be, and that was to be found.
+    /// How its pixels are blurred, if that was to be found.
+    pub fn sharpness(&self) -> Option<Blur> {
+        self.blur.filter(|blur| blur.sought)
+    }
+
+    /// The same, if they surely are blurred otherwise than they were taken to be.
     fn amiss(&self) -> Option<Blur> {
-        self.blur.filter(|blur| blur.sought && blur.is_sure())
+        self.sharpness().filter(Blur::is_sure)
     }
 
     /// By how many standard errors the pixels that both have seen, which come in the same order, are farther off than in another. None counts for

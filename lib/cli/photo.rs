@@ -188,9 +188,9 @@ impl<'a> Photo<'a> {
 
     /// Takes its pixels to be blurred as they were found to be, where that was sought; and what is to be said of that.
     pub fn blurred(&mut self, found: &Recovery) -> Option<String> {
-        let blur = found.blur.filter(|blur| blur.sought)?;
+        let blur = found.sharpness()?;
         if self.film.filter.variance() != blur.taken {
-            self.film = self.film.clone().through(Filter::blurring(blur.taken));
+            self.film.filter = Filter::blurring(blur.taken);
         }
         Some(blur.title())
     }

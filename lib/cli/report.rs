@@ -72,7 +72,7 @@ pub fn of_recovery(path: &Path, found: &Recovery, answer: &Answer, photo: &Photo
     let told = Report {
         own: Some(found.own.deviations()),
         pixels: Some(found.pixels),
-        filter: found.blur.filter(|blur| blur.sought).map(|blur| blur.title()),
+        filter: found.sharpness().map(|blur| blur.title()),
         trail: &trail.moments(),
         unit: "round",
         ..told(answer, found.chi2)

@@ -29,33 +29,33 @@ impl Range {
         self.axes.iter().map(|(_, all)| all.len()).product()
     }
 
-    /// How far each value is along its axis, and how far in the row its next one is.
-    fn places(&self, i: usize) -> impl Iterator<Item = (usize, usize)> {
+    /// Where each value in doubt is: its place among the parameters, all that it may be, which of these, and how far in the row the next is.
+    fn places(&self, i: usize) -> impl Iterator<Item = (usize, &[f64], usize, usize)> {
         let mut stride = self.len();
-        self.axes.iter().map(move |(_, all)| {
-            stride /= all.len();
-            (i / stride % all.len(), stride)
+        self.axes.iter().map(move |(slot, axis)| {
+            stride /= axis.len();
+            (*slot, &axis[..], i / stride % axis.len(), stride)
         })
     }
 
     /// The parameters in doubt and their values.
     fn values(&self, i: usize) -> impl Iterator<Item = (usize, f64)> {
-        self.axes.iter().zip(self.places(i)).map(|((slot, all), (at, _))| (*slot, all[at]))
+        self.places(i).map(|(slot, axis, at, _)| (slot, axis[at]))
     }
 
     /// The part of all that they may be that this stands for.
     fn size(&self, i: usize) -> f64 {
-        self.axes.iter().zip(self.places(i)).map(|((_, all), (at, _))| width(all, at)).product()
+        self.places(i).map(|(_, axis, at, _)| width(axis, at)).product()
     }
 
     /// The variance of a value in doubt within that part; at an end of its axis also within all that lies beyond, where was not looked.
     fn variance(&self, i: usize, parameter: usize, (low, high): (f64, f64)) -> f64 {
-        let own = |((slot, all), (at, _)): (&(usize, Vec<f64>), (usize, usize))| {
-            let below = if at == 0 { all[0] - low } else { 0.0 };
-            let above = if at + 1 == all.len() { high - all[at] } else { 0.0 };
-            (*slot == parameter).then(|| width(all, at).powi(2) / 12.0 + below.max(above).max(0.0).powi(2) / 3.0)
+        let own = |(_, axis, at, _): (usize, &[f64], usize, usize)| {
+            let below = if at == 0 { axis[0] - low } else { 0.0 };
+            let above = if at + 1 == axis.len() { high - axis[at] } else { 0.0 };
+            width(axis, at).powi(2) / 12.0 + below.max(above).max(0.0).powi(2) / 3.0
         };
-        self.axes.iter().zip(self.places(i)).filter_map(own).sum()
+        self.places(i).filter(|(slot, ..)| *slot == parameter).map(own).sum()
     }
 
     /// The most of `off` that must be crossed from `start` to each other place, by steps along one axis, on the best way.
@@ -65,10 +65,8 @@ impl Range {
         for _ in 0..off.len() {
             for i in 0..off.len() {
                 let beside = self
-                    .axes
-                    .iter()
-                    .zip(self.places(i))
-                    .flat_map(|((_, all), (at, stride))| [(at > 0).then(|| i - stride), (at + 1 < all.len()).then(|| i + stride)]);
+                    .places(i)
+                    .flat_map(|(_, axis, at, stride)| [(at > 0).then(|| i - stride), (at + 1 < axis.len()).then(|| i + stride)]);
                 let nearest = beside.flatten().map(|i| levels[i]).fold(f64::INFINITY, f64::min);
                 levels[i] = levels[i].min(nearest.max(off[i]));
             }
