@@ -8,6 +8,7 @@ mod average;
 mod clear;
 pub mod doubts;
 mod drift;
+mod enough;
 pub mod fit;
 pub mod gram;
 mod indices;
@@ -21,7 +22,6 @@ mod sharpness;
 mod sheet;
 pub mod types;
 
-use crate::anneal::Parameter;
 use crate::anneal::linear::Symmetric;
 use crate::error::{Error, Result};
 use crate::geometry::Ray;
@@ -108,64 +108,7 @@ impl Effort<'_> {
     fn affords_another(&self, begin: Instant, looks: u32) -> bool {
         !self.quick && self.until.is_none_or(|until| Instant::now() + begin.elapsed() / looks <= until)
     }
-
-    /// The standard error that satisfies for a parameter.
-    fn near(&self, parameter: &Parameter, value: f64) -> f64 {
-        self.tolerance.unwrap_or_else(|| match parameter.name.as_str() {
-            "rough" | "urough" | "vrough" => (NEAR_ROUGHNESS * value.abs()).max(NEAREST_ROUGHNESS),
-            "ior" => NEAR_INDEX,
-            _ => NEAR,
-        })
-    }
-
-    /// Whether a recovery is as good as is wished for, or as the picture allows; `before` is what fewer samples of the whole picture gave, twice
-    /// at the least if it is to tell: once it may be chance.
-    fn contents(&self, parameters: &[Parameter], found: &Recovery, before: &[Recovery]) -> bool {
-        let gain = |before: &Recovery, i: usize| found.covariance.at(i, i) / before.covariance.at(i, i);
-        let steady = |i: usize| before.len() > 1 && before.iter().rev().take(2).all(|before| (GAIN..1.0 / GAIN).contains(&gain(before, i)));
-        let settled = |i: usize| self.tolerance.is_none() && found.own.at(i, i) <= OWN * found.covariance.at(i, i) && steady(i);
-        let near = |(i, p): (usize, &Parameter)| found.covariance.at(i, i).sqrt() <= self.near(p, found.values[i]) || settled(i);
-        parameters.iter().enumerate().all(near)
-    }
-
-    /// How many times as many samples would make it so, as far as can be said.
-    fn lack(&self, parameters: &[Parameter], found: &Recovery) -> f64 {
-        let lack = |(i, p): (usize, &Parameter)| {
-            let (all, own, near) = (found.covariance.at(i, i), found.own.at(i, i), self.near(p, found.values[i]).powi(2));
-            if all <= near {
-                return 1.0;
-            }
-            let photographed = (all - own).max(0.0);
-            let enough = if near > photographed { own / (near - photographed) } else { f64::INFINITY };
-            enough.min(own / (OWN * all))
-        };
-        parameters.iter().enumerate().map(lack).fold(1.0, f64::max)
-    }
-
-    /// How many times as many pixels would, where their derivatives are known well.
-    fn lack_of_pixels(&self, parameters: &[Parameter], found: &Recovery) -> f64 {
-        let worst = self.worst(parameters, found);
-        found.covariance.at(worst, worst) / self.near(&parameters[worst], found.values[worst]).powi(2)
-    }
-
-    /// The parameter that is farthest from it.
-    fn worst(&self, parameters: &[Parameter], found: &Recovery) -> usize {
-        let far = |i: usize| found.covariance.at(i, i).sqrt() / self.near(&parameters[i], found.values[i]);
-        (0..parameters.len()).max_by(|a, b| far(*a).total_cmp(&far(*b))).unwrap_or(0)
-    }
 }
-
-/// The standard error that satisfies when nothing is said: of a colour or a share, of an index of refraction, and of a roughness in terms
-/// of itself, down to the last: what the paper reached.
-const NEAR: f64 = 0.0018;
-const NEAR_INDEX: f64 = 0.0003;
-const NEAR_ROUGHNESS: f64 = 0.016;
-const NEAREST_ROUGHNESS: f64 = 0.0002;
-
-/// Or what the picture allows: the part of a variance that the rendering may make.
-const OWN: f64 = 0.25;
-/// And the part of a variance that more samples must leave over; nor may they add as much.
-const GAIN: f64 = 0.8;
 
 /// A seed for every tracing.
 struct Seeds {

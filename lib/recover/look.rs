@@ -1,6 +1,7 @@
 //! A look at the picture: samples where they tell most, the values that explain it best near some others, and how sure they are.
 
 use super::drift::{LATE, PICTURES};
+use super::enough::More;
 use super::fit::{Valley, derivatives};
 use super::misfit::misfit;
 use super::scores::{BOUNDINGS, Place, STEPS, Scores, Way, influence, pictures, products, total};
@@ -52,13 +53,8 @@ const FIRST: f64 = 80_000.0;
 const EACH: f64 = 64.0;
 
 /// By how much a round adds to all samples before it, at the least and at the most: errors fall faster than samples grow while the derivatives
-/// are noise too, and whoever trusts the square root takes far too many.
+/// are noise too.
 const GROWTH: (f64, f64) = (0.2, 0.8);
-
-/// How much of a derivative must not be noise for more pixels to be worth more than more samples of those seen; and so many samples of each in
-/// each half say what they can.
-const CLEAR: f64 = 0.5;
-const DEEP: f64 = 192.0;
 
 /// The most rounds; and how many samples of all pixels, in each half, are enough where no tolerance is asked for.
 const ROUNDS: usize = 12;
@@ -107,7 +103,6 @@ impl Look<'_> {
             model.trace(numbers, &vec![samples as u32; 2 * numbers.len()], seeds.next())
         };
         let mut basis = trace(model, &pixels[..count as usize], each, seeds);
-        let mut before = Vec::new();
         for round in 1.. {
             let sheet = Sheet::new(self.evidence, &pixels[..count as usize]);
             let Fit { found, influence, held, withheld } = self.fit(&sheet, model, &basis, &best);
@@ -127,32 +122,30 @@ impl Look<'_> {
             let spared = if drifts { PICTURES } else { 0.0 };
             // So many times as many samples as before may still be taken.
             let most = GROWTH.1.min(budget - 1.0).min((time - spared) / (1.0 + spared));
-            let contents = self.effort.contents(self.parameters, &found, &before);
-            if strayed || contents || round == ROUNDS || self.effort.quick || most < GROWTH.0 {
+            let wanted = self.effort.more(self.parameters, &found, [count, all], each);
+            let go_on = !strayed && round < ROUNDS && !self.effort.quick && most >= GROWTH.0;
+            let Some(more) = wanted.filter(|_| go_on) else {
                 let found = self.moved(found, withheld.filter(|_| !strayed), model);
                 let share = time.min(PICTURES);
                 let drift = (drifts && share > LATE).then(|| self.drift(&sheet, model, &basis, &found.values, share, seeds));
                 let found = self.blurred(self.moved(found, drift, model), &sheet, model, &basis);
                 let passes = self.effort.quick || strayed && (self.another)();
                 return if passes { found } else { self.averaged(found, &sheet, model, &basis) };
-            }
+            };
             best.clone_from(&found.values);
             model.tune(&best, Some(&found.errors()));
-            let clear = found.clarity[self.effort.worst(self.parameters, &found)] >= CLEAR;
-            let lack = if count < all && clear { Effort::lack_of_pixels } else { Effort::lack };
-            let growth = (lack(self.effort, self.parameters, &found) - 1.0).max(GROWTH.0).min(most);
-            if count == all {
-                before.push(found);
-            }
-            // Noise is multiplied with noise where a derivative is mostly that: samples are then worth more together.
-            if count < all && (clear || each >= DEEP) {
-                let more = (count * (1.0 + growth)).floor().min(all);
-                basis.append(trace(model, &pixels[count as usize..more as usize], each, seeds));
-                count = more;
-            } else {
-                let mean = each * growth;
-                each += mean;
-                basis.join(&model.trace(sheet.numbers, &shared(mean, &influence, &basis.samples), seeds.next()));
+            let growth = |times: f64| (times - 1.0).max(GROWTH.0).min(most);
+            match more {
+                More::Pixels(times) => {
+                    let next = (count * (1.0 + growth(times))).floor().min(all);
+                    basis.append(trace(model, &pixels[count as usize..next as usize], each, seeds));
+                    count = next;
+                }
+                More::Samples(times) => {
+                    let mean = each * growth(times);
+                    each += mean;
+                    basis.join(&model.trace(sheet.numbers, &shared(mean, &influence, &basis.samples), seeds.next()));
+                }
             }
         }
         unreachable!("a look has rounds")

@@ -1,0 +1,104 @@
+//! Whether a recovery is enough, and what is worth more: more pixels, or more samples of those seen.
+//!
+//! With n pixels and e samples of each, the variance of a value is about (1 + k/e) (P + R/e) / n: the noise of the photograph and that of the
+//! rendering are what the residuals are off by, and the rendering's noise in the derivative, by which they are judged, weakens that.
+
+use super::{Effort, Recovery};
+use crate::anneal::Parameter;
+
+/// The standard error that satisfies when nothing is said: of a colour or a share, of an index of refraction, and of a roughness in terms
+/// of itself, down to the last: what the paper reached.
+const NEAR: f64 = 0.0018;
+const NEAR_INDEX: f64 = 0.0003;
+const NEAR_ROUGHNESS: f64 = 0.016;
+const NEAREST_ROUGHNESS: f64 = 0.0002;
+
+/// Or what the picture allows: the part of a variance that would be left whatever was sampled.
+const LEFT: f64 = 0.5;
+
+/// How much of a derivative must not be noise for more pixels to be worth more than more samples of those seen; and so many samples of each in
+/// each half say what they can.
+const CLEAR: f64 = 0.25;
+const DEEP: f64 = 192.0;
+
+/// What to take more of, and how many times as much as there is, as far as can be said.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum More {
+    /// Pixels, with as many samples each.
+    Pixels(f64),
+    /// Samples of the pixels seen.
+    Samples(f64),
+}
+
+/// How a value stands.
+#[derive(Clone, Copy, Debug)]
+struct Standing {
+    /// Its variance, in terms of the one that satisfies.
+    variance: f64,
+    /// The part of it that the rendering makes.
+    own: f64,
+    /// How much of the derivative is not noise.
+    clarity: f64,
+}
+
+impl Standing {
+    /// The part of its variance that any number of samples would leave.
+    fn left(&self) -> f64 {
+        (1.0 - self.own) * self.clarity
+    }
+
+    /// How many times as many samples leave `part` of its variance: x = 1/that solves (c + (1 − c) x) (1 − o + o x) = `part`.
+    fn samples(&self, part: f64) -> f64 {
+        let Self { own, clarity, .. } = *self;
+        let square = (1.0 - clarity) * own;
+        let linear = clarity * own + (1.0 - clarity) * (1.0 - own);
+        let rest = part - self.left();
+        if rest > 0.0 { (linear + (linear * linear + 4.0 * square * rest).sqrt()) / (2.0 * rest) } else { f64::INFINITY }
+    }
+}
+
+impl Effort<'_> {
+    /// The standard error that satisfies for a parameter.
+    pub fn near(&self, parameter: &Parameter, value: f64) -> f64 {
+        self.tolerance.unwrap_or_else(|| match parameter.name.as_str() {
+            "rough" | "urough" | "vrough" => (NEAR_ROUGHNESS * value.abs()).max(NEAREST_ROUGHNESS),
+            "ior" => NEAR_INDEX,
+            _ => NEAR,
+        })
+    }
+
+    /// What would make a recovery as good as is wished for, or as the picture allows; `None` if it is. Seen are `seen` of `all` pixels, by `each`
+    /// samples in each half.
+    pub fn more(&self, parameters: &[Parameter], found: &Recovery, [seen, all]: [f64; 2], each: f64) -> Option<More> {
+        let standing = |(i, parameter): (usize, &Parameter)| {
+            let (variance, near) = (found.covariance.at(i, i), self.near(parameter, found.values[i]));
+            let own = (found.own.at(i, i) / variance).clamp(0.0, 1.0);
+            Standing { variance: variance / near.powi(2), own, clarity: found.clarity[i] }
+        };
+        let allowed = |s: &Standing| if self.tolerance.is_none() { s.left() / LEFT } else { 0.0 };
+        let lacks = |s: &Standing| s.variance > 1.0 && (seen < all || allowed(s) < 1.0);
+        let lacking: Vec<Standing> = parameters.iter().enumerate().map(standing).filter(lacks).collect();
+        let worst = lacking.iter().max_by(|a, b| a.variance.total_cmp(&b.variance))?;
+        if seen < all && (worst.clarity > worst.own.max(CLEAR) || each >= DEEP) {
+            return Some(More::Pixels(worst.variance));
+        }
+        Some(More::Samples(lacking.iter().map(|s| s.samples(allowed(s).max(1.0 / s.variance))).fold(1.0, f64::max)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn so_many_more_samples_leave_what_is_asked() {
+        for (own, clarity, part) in [(0.5, 0.5, 0.5), (1.0, 0.3, 0.1), (0.2, 1.0, 0.9), (0.0, 0.4, 0.7), (0.9, 0.9, 0.95)] {
+            let standing = Standing { variance: 1.0, own, clarity };
+            let x = 1.0 / standing.samples(part);
+            let left = (clarity + (1.0 - clarity) * x) * (1.0 - own + own * x);
+            assert!((left - part).abs() < 1e-12, "{standing:?}: {left} for {part}");
+        }
+        // Less than no noise is not to be had.
+        assert_eq!(Standing { variance: 1.0, own: 0.5, clarity: 0.5 }.samples(0.25), f64::INFINITY);
+    }
+}
