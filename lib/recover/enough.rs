@@ -89,6 +89,41 @@ impl Effort<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::anneal::linear::Symmetric;
+
+    /// What is wanted after a look at so many pixels of a thousand, by 40 samples each, of a colour with this standard error.
+    fn wanted(seen: f64, error: f64, own: f64, clarity: f64, tolerance: Option<f64>) -> Option<More> {
+        let parameter = Parameter { name: "red".into(), start: 0.5, low: 0.0, high: 1.0 };
+        let variance = |part: f64| Symmetric::diagonal(&[part * error * error]);
+        let found = Recovery {
+            values: vec![0.5],
+            covariance: variance(1.0),
+            own: variance(own),
+            common: variance(0.0),
+            misfit: 0.0,
+            blur: None,
+            chi2: 0.0,
+            pixels: seen as usize,
+            losses: vec![],
+            clarity: vec![clarity],
+        };
+        let effort = Effort { seed: 0, until: None, tolerance, around: None, quick: false, told: &|_| {} };
+        effort.more(&[parameter], &found, [seen, 1000.0], 40.0)
+    }
+
+    #[test]
+    fn what_the_photograph_lacks_no_samples_make_up_for() {
+        assert_eq!(wanted(1000.0, 2.0 * NEAR, 0.2, 0.9, None), None);
+        assert_eq!(wanted(1000.0, 0.9 * NEAR, 1.0, 0.1, None), None);
+        // More pixels do, and more samples where a derivative is mostly noise or the error the rendering's.
+        let Some(More::Pixels(times)) = wanted(500.0, 2.0 * NEAR, 0.2, 0.9, None) else { panic!() };
+        assert!((times - 4.0).abs() < 1e-9, "{times}");
+        for (seen, own, clarity) in [(500.0, 0.2, 0.1), (500.0, 0.9, 0.5), (1000.0, 0.9, 0.9), (1000.0, 0.1, 0.3)] {
+            assert!(matches!(wanted(seen, 2.0 * NEAR, own, clarity, None), Some(More::Samples(times)) if times > 1.0));
+        }
+        // Who asks for less gets it tried.
+        assert_eq!(wanted(1000.0, 2.0 * NEAR, 0.2, 0.9, Some(0.5 * NEAR)), Some(More::Samples(f64::INFINITY)));
+    }
 
     #[test]
     fn so_many_more_samples_leave_what_is_asked() {

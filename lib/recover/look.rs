@@ -58,7 +58,7 @@ const GROWTH: (f64, f64) = (0.2, 0.8);
 
 /// The most rounds; and how many samples of all pixels, in each half, are enough where no tolerance is asked for.
 const ROUNDS: usize = 12;
-const BUDGET: f64 = 800_000.0;
+const BUDGET: f64 = 500_000.0;
 
 /// What a round finds.
 pub struct Fit {
