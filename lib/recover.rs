@@ -205,7 +205,7 @@ pub fn recover(evidence: &Evidence, unknown: &Unknown, material: MaterialId, eff
     let mut found = once(&film, effort)?;
     for _ in 0..MOST_FILTERS {
         let Some(blur) = found.amiss().filter(|_| !effort.late()) else { break };
-        film = film.through(Filter::blurring(blur.variance()));
+        film.filter = Filter::blurring(blur.variance());
         found = once(&film, Effort { around: Some(&found.values), ..effort })?;
     }
     Ok(found)

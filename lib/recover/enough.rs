@@ -16,8 +16,9 @@ const NEAREST_ROUGHNESS: f64 = 0.0002;
 /// Or what the picture allows: the part of a variance that would be left whatever was sampled.
 const LEFT: f64 = 0.5;
 
-/// How much of a derivative must not be noise for more pixels to be worth more than more samples of those seen; and so many samples of each in
-/// each half say what they can.
+/// How much of a derivative must not be noise for more pixels to be worth more than more samples of those seen. It must also be more than the
+/// rendering's part o of the variance, which falls 1 − c + o times as fast with samples as with pixels. And so many samples of each in each half
+/// say what they can.
 const CLEAR: f64 = 0.25;
 const DEEP: f64 = 192.0;
 
@@ -72,7 +73,8 @@ impl Effort<'_> {
     pub fn more(&self, parameters: &[Parameter], found: &Recovery, [seen, all]: [f64; 2], each: f64) -> Option<More> {
         let standing = |(i, parameter): (usize, &Parameter)| {
             let (variance, near) = (found.covariance.at(i, i), self.near(parameter, found.values[i]));
-            let own = (found.own.at(i, i) / variance).clamp(0.0, 1.0);
+            // Where nothing is known, neither of the two is finite.
+            let own = (found.own.at(i, i) / variance).min(1.0);
             Standing { variance: variance / near.powi(2), own, clarity: found.clarity[i] }
         };
         let allowed = |s: &Standing| if self.tolerance.is_none() { s.left() / LEFT } else { 0.0 };
@@ -121,6 +123,8 @@ mod tests {
         for (seen, own, clarity) in [(500.0, 0.2, 0.1), (500.0, 0.9, 0.5), (1000.0, 0.9, 0.9), (1000.0, 0.1, 0.3)] {
             assert!(matches!(wanted(seen, 2.0 * NEAR, own, clarity, None), Some(More::Samples(times)) if times > 1.0));
         }
+        // Where nothing is known, much is wanted.
+        assert_eq!(wanted(1000.0, f64::INFINITY, 1.0, 0.9, None), Some(More::Samples(f64::INFINITY)));
         // Who asks for less gets it tried.
         assert_eq!(wanted(1000.0, 2.0 * NEAR, 0.2, 0.9, Some(0.5 * NEAR)), Some(More::Samples(f64::INFINITY)));
     }
