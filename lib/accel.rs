@@ -117,14 +117,10 @@ struct Nearest {
     blur: f32,
     /// Which triangle (block · 8 + lane), or [`SINGLE`] and which other primitive; all ones for none.
     slot: u32,
-    /// Which surface it is of: asked for at once, as it lies far off in memory, while the walk goes on.
-    surface: u32,
     /// Whether another one is so near that it may be in front, or the same place.
     tie: bool,
     /// Distances that differ by less are one place.
     tolerance: f32,
-    /// The hit, where it is known already.
-    hit: Option<Hit>,
 }
 
 impl Nearest {
@@ -149,10 +145,11 @@ impl Accel {
     pub fn nearest(&self, ray: &Ray, t_min: f64, t_max: f64) -> Option<Hit> {
         let probe = Probe::new(&self.space, ray, t_min, t_max)?;
         let tolerance = (self.tolerance * self.space.scale) as f32;
-        let mut best = Nearest { t: f32::INFINITY, blur: 0.0, slot: u32::MAX, surface: 0, tie: false, tolerance, hit: None };
+        let mut best = Nearest { t: f32::INFINITY, blur: 0.0, slot: u32::MAX, tie: false, tolerance };
+        let mut single = None;
         self.tree.walk::<true>(&probe, probe.limit, |leaf, mut limit| {
             if leaf & SINGLE != 0 {
-                return self.take_single(ray, &probe, leaf, t_min, t_max, limit, &mut best);
+                return self.take_single(&probe, leaf, [t_min, t_max], limit, &mut best, &mut single);
             }
             for (number, block) in self.tree.blocks_of(leaf) {
                 let mut lanes = probe.test(block, limit);
@@ -160,11 +157,8 @@ impl Accel {
                     let lane = (lanes.mask.trailing_zeros() & 7) as usize;
                     lanes.mask &= lanes.mask - 1;
                     let (t, blur, slot) = (lanes.t[lane], lanes.blur[lane], number << 3 | lane as u32);
-                    if t <= limit && probe.within(t, blur).unwrap_or_else(|| self.within(&probe, slot, t_min, t_max)) {
+                    if t <= limit && probe.within(t, blur).unwrap_or_else(|| self.within(&probe, slot, [t, blur], [t_min, t_max])) {
                         limit = best.take(t, blur, slot);
-                        if best.slot == slot {
-                            best.surface = self.tree.details[self.tree.place(slot)].surface;
-                        }
                     }
                 }
             }
@@ -177,10 +171,10 @@ impl Accel {
             return self.settle(ray, t_min, t_max.min(probe.world(f64::from(best.t + 2.0 * best.blur))));
         }
         if best.slot & SINGLE != 0 {
-            return best.hit;
+            return single;
         }
         let detail = &self.tree.details[self.tree.place(best.slot)];
-        Some(self.tree.meet(&probe, best.slot, best.t).hit(&probe, detail, self.surfaces[best.surface as usize].mirrored()))
+        Some(self.tree.meet(&probe, best.slot, best.t, best.blur).hit(&probe, detail, self.surfaces[detail.surface as usize].mirrored()))
     }
 
     /// Whether any surface is met at a distance between `t_min` and `t_max` (both excluded).
@@ -195,7 +189,7 @@ impl Accel {
                     let lanes = probe.test(block, limit);
                     (0..8).filter(|lane| lanes.mask >> lane & 1 == 1).any(|lane| {
                         let (t, blur) = (lanes.t[lane], lanes.blur[lane]);
-                        probe.within(t, blur).unwrap_or_else(|| self.within(&probe, number << 3 | lane as u32, t_min, t_max))
+                        probe.within(t, blur).unwrap_or_else(|| self.within(&probe, number << 3 | lane as u32, [t, blur], [t_min, t_max]))
                     })
                 })
             };
@@ -219,7 +213,7 @@ impl Accel {
                     let slot = number << 3 | lane as u32;
                     let detail = &self.tree.details[self.tree.place(slot)];
                     let Body::Mesh(placed) = &self.surfaces[detail.surface as usize] else { continue };
-                    let hit = self.tree.meet(&probe, slot, lanes.t[lane]).hit(&probe, detail, placed.mirrored);
+                    let hit = self.tree.meet(&probe, slot, lanes.t[lane], lanes.blur[lane]).hit(&probe, detail, placed.mirrored);
                     if hit.t > t_min && hit.t < t_max {
                         visit(hit, placed.rank(&self.ranks[detail.surface as usize], detail.triangle));
                     }
@@ -267,8 +261,16 @@ impl Accel {
 
     /// Takes the hit of a shape or instance, if it is near enough; the new limit.
     #[inline(never)]
-    #[allow(clippy::too_many_arguments)]
-    fn take_single(&self, ray: &Ray, probe: &Probe, leaf: u32, t_min: f64, t_max: f64, limit: f32, best: &mut Nearest) -> f32 {
+    fn take_single(
+        &self,
+        probe: &Probe,
+        leaf: u32,
+        [t_min, t_max]: [f64; 2],
+        limit: f32,
+        best: &mut Nearest,
+        single: &mut Option<Hit>,
+    ) -> f32 {
+        let ray = probe.ray;
         let (surface, body) = self.body(leaf);
         let far = t_max.min(probe.world(f64::from(limit)));
         let hit = match body {
@@ -279,15 +281,15 @@ impl Accel {
         let Some(t) = hit.as_ref().map(|hit| probe.local(hit.t)).filter(|&t| t <= limit) else { return limit };
         let limit = best.take(t, f32::EPSILON * (1.0 + t), leaf & !LEAF);
         if best.slot == leaf & !LEAF {
-            best.hit = hit;
+            *single = hit;
         }
         limit
     }
 
     /// Whether a triangle's exact distance is in the range.
     #[inline(never)]
-    fn within(&self, probe: &Probe, slot: u32, t_min: f64, t_max: f64) -> bool {
-        let t = probe.world(self.tree.plane(probe, slot));
+    fn within(&self, probe: &Probe, slot: u32, [near, blur]: [f32; 2], [t_min, t_max]: [f64; 2]) -> bool {
+        let t = probe.world(self.tree.meet(probe, slot, near, blur).t);
         t > t_min && t < t_max
     }
 }

@@ -8,6 +8,7 @@ use super::exact::Detail;
 use super::tree::{Block, LEAF, Node, PAIR, SINGLE, Tree};
 use crate::vector::Vec3;
 use rayon::prelude::*;
+use std::f64::consts::SQRT_2;
 use wide::f32x8;
 
 /// Cost of a visit to a node, per unit of area.
@@ -103,15 +104,17 @@ pub(super) fn collapse(binary: &Binary, primitives: &[(u32, u32)], corners: impl
         .with_min_len(64)
         .map(|&(first, count)| {
             let mut rows = [[[f32::NAN; 8]; 3]; 3];
+            let mut longest = 0.0f64;
             for lane in 0..count as usize {
-                let corners = corners(binary.order[first as usize + lane]);
-                for (vertex, corner) in corners.into_iter().flatten().enumerate() {
+                let Some(triangle) = corners(binary.order[first as usize + lane]) else { continue };
+                for vertex in 0..3 {
+                    longest = longest.max((triangle[(vertex + 1) % 3] - triangle[vertex]).length());
                     for axis in 0..3 {
-                        rows[vertex][axis][lane] = corner[axis] as f32;
+                        rows[vertex][axis][lane] = triangle[vertex][axis] as f32;
                     }
                 }
             }
-            Block { corners: rows.map(|vertex| vertex.map(f32x8::new)), first }
+            Block { corners: rows.map(|vertex| vertex.map(f32x8::new)), first, width: (SQRT_2 * longest) as f32 }
         })
         .collect();
     Tree { nodes, blocks, details, root: Some(root) }

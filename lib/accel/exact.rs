@@ -22,9 +22,12 @@ pub(super) struct Meeting {
     pub t: f64,
     /// The point.
     point: Vec3,
-    /// Weights of the corners.
-    weights: Vec3,
-    corners: [Vec3; 3],
+    /// The point, seen from the first corner.
+    place: Vec3,
+    /// The second and the third corner, seen from the first.
+    sides: [Vec3; 2],
+    /// Their cross product.
+    normal: Vec3,
 }
 
 impl Tree {
@@ -32,14 +35,6 @@ impl Tree {
     #[inline(always)]
     pub fn place(&self, slot: u32) -> usize {
         self.blocks[(slot >> 3) as usize].first as usize + (slot & 7) as usize
-    }
-
-    /// The distance along the probe to the plane of the triangle in a slot.
-    #[inline(always)]
-    pub fn plane(&self, probe: &Probe, slot: u32) -> f64 {
-        let [a, b, c] = self.corners(slot);
-        let normal = (b - a).cross(c - a);
-        (a - probe.exact_origin).dot(normal) / probe.direction.dot(normal)
     }
 
     /// The corners of the triangle in a slot.
@@ -52,26 +47,21 @@ impl Tree {
         [corner(0), corner(1), corner(2)]
     }
 
-    /// How the probe meets the triangle in a slot, which it is known to hit at about the distance `near`; at a point of the triangle in any
-    /// case, give or take what single precision is wrong by.
+    /// How the probe meets the plane of the triangle in a slot, which it is known to hit at the distance `near`, give or take
+    /// `blur`.
     #[inline(always)]
-    pub fn meet(&self, probe: &Probe, slot: u32, near: f32) -> Meeting {
-        let corners = self.corners(slot);
+    pub fn meet(&self, probe: &Probe, slot: u32, near: f32, blur: f32) -> Meeting {
+        let [a, b, c] = self.corners(slot);
+        let (near, direction) = (f64::from(near), probe.ray.direction);
         // Seen from a point of the ray near the triangle no digits are lost, however far the ray has come.
-        let near = f64::from(near);
-        let from = probe.exact_origin + probe.direction * near;
-        let (a, b, c) = (corners[0] - from, corners[1] - from, corners[2] - from);
-        let d = probe.direction;
-        // The ray against the three edges (Plücker).
-        let volumes = Vec3::new(d.dot(c.cross(b)), d.dot(a.cross(c)), d.dot(b.cross(a)));
-        let mut weights = volumes / volumes.element_sum();
-        // A little outside is single precision's doing and still on the plane. More is a triangle seen edge on: take a point in it.
-        if weights.is_nan() || weights.min_element() < -1e-2 {
-            let positive = weights.max(Vec3::ZERO);
-            weights = Some(positive / positive.element_sum()).filter(|w| w.is_finite()).unwrap_or(Vec3::splat(1.0 / 3.0));
-        }
-        let offset = a * weights.x + b * weights.y + c * weights.z;
-        Meeting { t: near + offset.dot(d), point: from + offset, weights, corners }
+        let from = probe.exact_origin + direction * near;
+        let (first, sides) = (a - from, [b - a, c - a]);
+        let normal = sides[0].cross(sides[1]);
+        // More is the plane of a triangle that is seen edge on, far outside of it.
+        let further = first.dot(normal) / direction.dot(normal);
+        let further = if further.abs() <= 2.0 * f64::from(blur) { further } else { 0.0 };
+        let step = direction * further;
+        Meeting { t: near + further, point: from + step, place: step - first, sides, normal }
     }
 }
 
@@ -79,16 +69,18 @@ impl Meeting {
     /// The hit in the world. `mirrored`: the front is where the corners are seen clockwise.
     #[inline]
     pub fn hit(&self, probe: &Probe, detail: &Detail, mirrored: bool) -> Hit {
-        let [a, b, c] = self.corners;
-        let normal = (b - a).cross(c - a).normalize_or_zero();
+        let [b, c] = self.sides;
+        let square = self.normal.length_squared();
+        let unit = if square > 0.0 { 1.0 / square.sqrt() } else { 0.0 };
+        let weights = [self.place.cross(c), b.cross(self.place)].map(|part| part.dot(self.normal) * (unit * unit));
         Hit {
             t: probe.world(self.t),
             point: probe.world_point(self.point),
-            normal: if mirrored { -normal } else { normal },
+            normal: self.normal * if mirrored { -unit } else { unit },
             surface: detail.surface,
             path: Path::default(),
             triangle: detail.triangle,
-            barycentric: [self.weights.y, self.weights.z].map(|w| w.clamp(0.0, 1.0)),
+            barycentric: weights.map(|w| w.clamp(0.0, 1.0)),
         }
     }
 }

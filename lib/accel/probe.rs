@@ -10,7 +10,7 @@ use wide::f32x8;
 const ERROR: f32 = 2.0 * f32::EPSILON;
 /// How far before its range a probe starts, so that no hit at the range's begin is lost to rounding.
 pub(super) const LEAD: f32 = 1.0 / 65536.0;
-/// What the uncertainty of a distance is at most taken for: a ray that runs within a millionth of a triangle's plane is not worth more.
+/// What the uncertainty of a distance is taken for where single precision cannot tell it.
 const WORST: f32 = 1.0 / 64.0;
 
 /// Which lanes of a block are hit.
@@ -26,15 +26,15 @@ pub(super) struct Lanes {
 
 /// A ray in the coordinates of a tree.
 #[derive(Clone, Debug)]
-pub(super) struct Probe {
+pub(super) struct Probe<'a> {
+    /// The ray it is of.
+    pub ray: &'a Ray,
+    /// The coordinates it is in.
+    space: &'a Space,
     /// Where it starts: at the near end of the range or where it enters the bounds, less [`LEAD`].
     pub origin: [f32; 3],
     /// The same, exactly.
     pub exact_origin: Vec3,
-    /// Unit.
-    pub direction: Vec3,
-    /// The middle of the tree's cube in the world.
-    center: Vec3,
     /// One over the direction, finite.
     pub inverse: [f32; 3],
     /// Whether the direction is negative, per axis: 0 or 1.
@@ -47,18 +47,16 @@ pub(super) struct Probe {
     to: f32,
     /// The distance on the world's ray that this one starts at.
     start: f64,
-    /// World distance per unit of this one's.
-    unit: f64,
     /// Axes: two others, and the one the direction is longest along.
     axes: [usize; 3],
     /// The shear that makes the ray the third axis (Woop et al. 2013, "Watertight Ray/Triangle Intersection").
     shear: [f32; 3],
 }
 
-impl Probe {
+impl<'a> Probe<'a> {
     /// The probe for the part of the ray between the distances, or `None` when it misses the bounds.
     #[inline(always)]
-    pub fn new(space: &Space, ray: &Ray, t_min: f64, t_max: f64) -> Option<Self> {
+    pub fn new(space: &'a Space, ray: &'a Ray, t_min: f64, t_max: f64) -> Option<Self> {
         let unit = space.unit;
         let lead = f64::from(LEAD) * unit;
         let (o, d) = (ray.origin.to_array(), ray.direction.to_array());
@@ -92,17 +90,16 @@ impl Probe {
         let depth = inverse[k];
         let reach = ((t_max - start) * space.scale) as f32;
         Some(Self {
+            ray,
+            space,
             origin,
             exact_origin,
-            direction: ray.direction,
-            center: space.center,
             inverse: [inverse[0] as f32, inverse[1] as f32, inverse[2] as f32],
             negative: [usize::from(d[0].is_sign_negative()), usize::from(d[1].is_sign_negative()), usize::from(d[2].is_sign_negative())],
             limit: reach + LEAD,
             from: ((t_min - start) * space.scale) as f32,
             to: reach,
             start,
-            unit,
             axes: [i, j, k],
             shear: [(d[i] * depth) as f32, (d[j] * depth) as f32, depth as f32],
         })
@@ -111,19 +108,19 @@ impl Probe {
     /// The world's distance for one of this probe's.
     #[inline(always)]
     pub fn world(&self, t: f64) -> f64 {
-        self.start + t * self.unit
+        self.start + t * self.space.unit
     }
 
     /// The world's point for one of the tree's.
     #[inline(always)]
     pub fn world_point(&self, p: Vec3) -> Vec3 {
-        self.center + p * self.unit
+        self.space.center + p * self.space.unit
     }
 
     /// This probe's distance for one of the world's.
     #[inline(always)]
     pub fn local(&self, t: f64) -> f32 {
-        ((t - self.start) / self.unit) as f32
+        ((t - self.start) * self.space.scale) as f32
     }
 
     /// Whether a hit is within the range; `None` when single precision cannot tell.
@@ -165,26 +162,24 @@ impl Probe {
         let area = u + v + w;
         let depth = u * a[2] + v * b[2] + w * c[2];
         let t = depth * shear[2] / area;
-        let reached = inside & t.simd_ge(f32x8::ZERO) & t.simd_le(f32x8::splat(limit));
         // Moving the corners by ERROR changes each weight by ERROR times the triangle's width, relative to its area, and with it the
-        // point of the triangle's depth that they pick.
-        let width = [a[0], b[0], c[0], a[1], b[1], c[1]].into_iter().fold(f32x8::ZERO, |m, x| m.fast_max(x.abs()));
-        let range = a[2].fast_max(b[2]).fast_max(c[2]) - a[2].fast_min(b[2]).fast_min(c[2]);
-        let slope = width * range * shear[2].abs() / area.abs() + f32x8::ONE;
-        let blur = (slope * ((t + f32x8::splat(0.25)) * f32x8::splat(ERROR))).fast_min(f32x8::splat(WORST));
-        let mut lanes = Lanes { mask: reached.to_bitmask(), t: t.to_array(), blur: blur.to_array() };
+        // point of the triangle's depth that they pick, at most by all of that.
+        let error = (t + f32x8::splat(0.25)) * f32x8::splat(ERROR);
+        let range = (a[2].fast_max(b[2]).fast_max(c[2]) - a[2].fast_min(b[2]).fast_min(c[2])) * shear[2].abs();
+        let blur = error + (error * f32x8::splat(block.width) * range / area.abs()).fast_min(range);
+        let reached = inside & t.simd_ge(f32x8::ZERO) & t.simd_le(f32x8::splat(limit));
         // Where all three vanish, single precision cannot tell: products of two singles are exact in double precision.
         let flat = (low.simd_ge(f32x8::ZERO) & high.simd_le(f32x8::ZERO)).to_bitmask();
         if flat != 0 {
-            let corners = [a, b, c].map(|p| p.map(|x| x.to_array()));
-            self.test_exactly(flat, &corners, limit, &mut lanes);
+            return self.test_exactly(flat, &[a, b, c].map(|p| p.map(|x| x.to_array())), limit, [t, blur], reached.to_bitmask());
         }
-        lanes
+        Lanes { mask: reached.to_bitmask(), t: t.to_array(), blur: blur.to_array() }
     }
 
     /// The same, in double precision, for some lanes of the sheared corners.
     #[cold]
-    fn test_exactly(&self, which: u32, corners: &[[[f32; 8]; 3]; 3], limit: f32, lanes: &mut Lanes) {
+    fn test_exactly(&self, which: u32, corners: &[[[f32; 8]; 3]; 3], limit: f32, [t, blur]: [f32x8; 2], mask: u32) -> Lanes {
+        let mut lanes = Lanes { mask, t: t.to_array(), blur: blur.to_array() };
         for lane in (0..8).filter(|&lane| which >> lane & 1 == 1) {
             let [a, b, c] = corners.map(|p| p.map(|x| f64::from(x[lane])));
             let (u, v, w) = (c[0] * b[1] - c[1] * b[0], a[0] * c[1] - a[1] * c[0], b[0] * a[1] - b[1] * a[0]);
@@ -195,5 +190,6 @@ impl Probe {
                 (lanes.t[lane], lanes.blur[lane]) = (t, WORST);
             }
         }
+        lanes
     }
 }

@@ -73,6 +73,8 @@ pub(super) struct Block {
     pub corners: [[f32x8; 3]; 3],
     /// The number, in the order of the leaves, of the first.
     pub first: u32,
+    /// What a side of a triangle is at most long when sheared: √2 times the longest.
+    pub width: f32,
 }
 
 /// The whole tree.
@@ -96,100 +98,99 @@ impl Tree {
     /// limit and returns the new limit, which only counts if `ORDERED`; a negative one ends the walk.
     #[inline(always)]
     pub fn walk<const ORDERED: bool>(&self, probe: &Probe, mut limit: f32, mut leaf: impl FnMut(u32, f32) -> f32) {
-        let Some(mut current) = self.root else { return };
+        let Some(root) = self.root else { return };
         let mut stack = [0u64; STACK];
         let mut spilled: Vec<u64> = Vec::new();
-        let mut top = 0;
+        stack[0] = u64::from(root);
+        let mut top = 1;
         let inverse = probe.inverse.map(f32x8::splat);
         let shift = [0, 1, 2].map(|axis| f32x8::splat(probe.origin[axis] * probe.inverse[axis]));
         let [first, second, third] = probe.negative;
         let rest = |mask: u32| mask & mask.wrapping_sub(1);
-        loop {
-            if current & LEAF == 0 {
+        'next: loop {
+            if top == 0 {
+                if spilled.is_empty() {
+                    return;
+                }
+                let rest = spilled.len().saturating_sub(STACK / 2);
+                top = spilled.len() - rest;
+                stack[..top].copy_from_slice(&spilled[rest..]);
+                spilled.truncate(rest);
+            }
+            top -= 1;
+            let entry = stack[top % STACK];
+            if f32::from_bits((entry >> 32) as u32) > limit {
+                continue;
+            }
+            let mut current = entry as u32;
+            let far_most = f32x8::splat(limit);
+            while current & LEAF == 0 {
                 let node = &self.nodes[current as usize];
                 // What is rounded here and in the triangle test, the boxes have a margin for.
                 let slab = |axis: usize, side: usize| node.bounds[axis][side].mul_sub(inverse[axis], shift[axis]);
                 let near = slab(0, first).fast_max(slab(1, second)).fast_max(slab(2, third).fast_max(f32x8::ZERO));
-                let far = slab(0, first ^ 1).fast_min(slab(1, second ^ 1)).fast_min(slab(2, third ^ 1).fast_min(f32x8::splat(limit)));
+                let far = slab(0, first ^ 1).fast_min(slab(1, second ^ 1)).fast_min(slab(2, third ^ 1).fast_min(far_most));
                 let first_of = near.simd_le(far).to_bitmask();
-                if first_of != 0 {
-                    let second_of = rest(first_of);
-                    if second_of == 0 {
-                        current = node.child[(first_of.trailing_zeros() & 7) as usize];
-                        continue;
-                    }
-                    if top > STACK - 8 {
-                        spilled.extend_from_slice(&stack[..top]);
-                        top = 0;
-                    }
-                    if !ORDERED {
-                        let mut more = first_of;
-                        while more != 0 {
-                            stack[top % STACK] = u64::from(node.child[(more.trailing_zeros() & 7) as usize]);
-                            top += 1;
-                            more = rest(more);
-                        }
-                        top -= 1;
-                        current = stack[top % STACK] as u32;
-                        continue;
-                    }
-                    // Go on with the nearest child and stack the others, the farthest first. Two or three are placed without branches, an
-                    // absent one being farther than any.
-                    let near = near.to_array();
-                    let entry = |mask: u32| {
-                        let lane = (mask.trailing_zeros() & 7) as usize;
-                        u64::from(near[lane].to_bits()) << 32 | u64::from(node.child[lane])
-                    };
-                    let third_of = rest(second_of);
-                    let mut more = rest(third_of);
-                    let absent = u64::from(third_of == 0).wrapping_neg();
-                    let (a, b, c) = (entry(first_of), entry(second_of), entry(third_of) | absent);
-                    let (a, b) = (a.min(b), a.max(b));
-                    let (b, c) = (b.min(c), b.max(c));
-                    let (mut a, b) = (a.min(b), a.max(b));
-                    let base = top;
-                    stack[top % STACK] = c;
-                    top += usize::from(third_of != 0);
-                    stack[top % STACK] = b;
-                    top += 1;
-                    while more != 0 {
-                        let d = entry(more);
-                        more = rest(more);
-                        let next = a.max(d);
-                        a = a.min(d);
-                        let mut place = top;
-                        while place > base && stack[(place - 1) % STACK] < next {
-                            stack[place % STACK] = stack[(place - 1) % STACK];
-                            place -= 1;
-                        }
-                        stack[place % STACK] = next;
-                        top += 1;
-                    }
-                    current = a as u32;
+                if first_of == 0 {
+                    continue 'next;
+                }
+                let second_of = rest(first_of);
+                if second_of == 0 {
+                    current = node.child[(first_of.trailing_zeros() & 7) as usize];
                     continue;
                 }
-            } else {
-                limit = leaf(current, limit);
-                if limit < 0.0 {
-                    return;
+                if top > STACK - 8 {
+                    spilled.extend_from_slice(&stack[..top]);
+                    top = 0;
                 }
-            }
-            loop {
-                if top == 0 {
-                    if spilled.is_empty() {
-                        return;
+                if !ORDERED {
+                    let mut more = first_of;
+                    while more != 0 {
+                        stack[top % STACK] = u64::from(node.child[(more.trailing_zeros() & 7) as usize]);
+                        top += 1;
+                        more = rest(more);
                     }
-                    let rest = spilled.len().saturating_sub(STACK / 2);
-                    top = spilled.len() - rest;
-                    stack[..top].copy_from_slice(&spilled[rest..]);
-                    spilled.truncate(rest);
+                    top -= 1;
+                    current = stack[top % STACK] as u32;
+                    continue;
                 }
-                top -= 1;
-                let entry = stack[top % STACK];
-                if f32::from_bits((entry >> 32) as u32) <= limit {
-                    current = entry as u32;
-                    break;
+                // Go on with the nearest child and stack the others, the farthest first. Two or three are placed without branches, an
+                // absent one being farther than any.
+                let near = near.to_array();
+                let entry = |mask: u32| {
+                    let lane = (mask.trailing_zeros() & 7) as usize;
+                    u64::from(near[lane].to_bits()) << 32 | u64::from(node.child[lane])
+                };
+                let third_of = rest(second_of);
+                let mut more = rest(third_of);
+                let absent = u64::from(third_of == 0).wrapping_neg();
+                let (a, b, c) = (entry(first_of), entry(second_of), entry(third_of) | absent);
+                let (a, b) = (a.min(b), a.max(b));
+                let (b, c) = (b.min(c), b.max(c));
+                let (mut a, b) = (a.min(b), a.max(b));
+                let base = top;
+                stack[top % STACK] = c;
+                top += usize::from(third_of != 0);
+                stack[top % STACK] = b;
+                top += 1;
+                while more != 0 {
+                    let d = entry(more);
+                    more = rest(more);
+                    let next = a.max(d);
+                    a = a.min(d);
+                    let mut place = top;
+                    while place > base && stack[(place - 1) % STACK] < next {
+                        stack[place % STACK] = stack[(place - 1) % STACK];
+                        place -= 1;
+                    }
+                    stack[place % STACK] = next;
+                    top += 1;
                 }
+                current = a as u32;
+            }
+            limit = leaf(current, limit);
+            if limit < 0.0 {
+                return;
             }
         }
     }
