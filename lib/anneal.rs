@@ -159,8 +159,8 @@ enum Purpose {
 const SURVEY: (f64, usize) = (0.1, 8);
 /// Part of the evaluations that the polish gets.
 const POLISH: f64 = 0.45;
-/// How many standard deviations lower than the quadratic's minimum a single value must be to be believed instead.
-const LUCK: f64 = 4.0;
+/// How many standard deviations lower than the quadratic's minimum a value must be to be believed instead; if it repeats, by which part of it.
+const LUCK: (f64, f64) = (4.0, 0.5);
 /// How often the lowest value of a walk must have been measured before it is believed.
 const BELIEVED: u32 = 3;
 
@@ -267,8 +267,8 @@ impl Annealer {
         // Prefer the quadratic's minimum to a value that is lower by no more than luck can make it.
         if let (Some(answer), Some(fit)) = (self.answer, self.fit()) {
             let (a, c) = (&self.trials[answer], &self.trials[chosen]);
-            let deviation = fit.scatter * (1.0 / a.weight() + 1.0 / c.weight()).sqrt();
-            if c.chi2 > a.chi2 - LUCK * deviation {
+            let luck = LUCK.0 * fit.scatter * (1.0 / a.weight() + 1.0 / c.weight()).sqrt();
+            if c.chi2 > a.chi2 - if self.exact == Some(true) { luck.min(LUCK.1 * c.chi2.abs()) } else { luck } {
                 chosen = answer;
             }
         }

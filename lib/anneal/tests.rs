@@ -104,12 +104,24 @@ fn a_lucky_value_is_not_believed() {
         let truth = somewhere(seed);
         let mut noise = Random::new(seed, 1);
         // One value in a hundred is half of what it should be. Luck that comes again when the value is measured again is believed.
-        let lucky = |x: &[f64], _| valley(x, &truth) * if noise.uniform() < 0.01 { 0.5 } else { 1.0 + 0.01 * noise.normal() };
+        let lucky = |x: &[f64], _| valley(x, &truth) * (if noise.uniform() < 0.01 { 0.5 } else { 1.0 } + 0.01 * noise.normal());
         let found = search(box_of(&[0.5; COUNT]), options(seed, 500), lucky).best().unwrap();
         assert!(found.chi2 > 0.014, "seed {seed}: {found:?}");
         near += i32::from(worst(&found.values, &truth) < 0.2);
     }
     assert!(near >= 19, "{near} of 20");
+}
+
+#[test]
+fn where_values_repeat_the_answer_is_hardly_worse_than_the_best_that_was_seen() {
+    // A curved, narrow valley with steps across it: no quadratic.
+    let valley = |x: &[f64]| (x[0] - x[1] * x[1]).abs() + (10.0 * (x[2] - x[3] * x[0])).sin().abs() + (8.0 * x[4]).floor() * 0.1;
+    for seed in 0..20 {
+        let found = search(box_of(&[0.5; COUNT]), options(seed, 120), |x, _| valley(x));
+        let lowest = found.past().filter_map(|(_, chi2)| chi2).fold(f64::INFINITY, f64::min);
+        let best = found.best().unwrap().chi2;
+        assert!(best <= 2.0 * lowest, "seed {seed}: {best}, but {lowest} was seen");
+    }
 }
 
 #[test]
