@@ -29,11 +29,14 @@ impl<'a> Answer<'a> {
         let mut rounded = values.to_vec();
         for (i, (p, value)) in unknown.parameters().iter().zip(&mut rounded).enumerate() {
             let range = p.high - p.low;
-            let at =
-                if *value - p.low < AT_BOUND * range { Some("lower") } else { (p.high - *value < AT_BOUND * range).then_some("upper") };
-            if let Some(side) = at {
-                let bound = Number(*value);
-                doubts.push(format!("{} is at its {side} bound {bound}; if it may lie beyond, give --param {0}=START:LOW:HIGH", p.name));
+            let ends = [("lower", p.low), ("upper", p.high)];
+            if let Some((side, bound)) = ends.into_iter().find(|(_, end)| (*value - end).abs() < AT_BOUND * range) {
+                *value = bound;
+                // No number of a material is less than nothing.
+                if bound != 0.0 {
+                    let beyond = "if it may lie beyond, give --param";
+                    doubts.push(format!("{} is at its {side} bound {}; {beyond} {0}=START:LOW:HIGH", p.name, Number(bound)));
+                }
             } else if let Some(judgement) = judgement.as_ref().filter(|j| j.errors[i] > 0.0) {
                 *value = format!("{value:.0$}", decimals(judgement.errors[i]) + KEPT).parse().unwrap_or(*value);
             }
