@@ -7,7 +7,7 @@ pub mod lobe;
 pub mod smooth;
 
 use crate::color::{Rgb, bright};
-use crate::material::{Ashikhmin, FunctionMaterial, Inside, Material, PURE, Reflectance};
+use crate::material::{Ashikhmin, FRESNEL_FROM, FunctionMaterial, Inside, Material, PURE, Reflectance};
 use crate::pattern::{At, Functions, Seen};
 use crate::rules::Rules;
 use crate::sampling::{Sampler, cosine_hemisphere};
@@ -16,9 +16,6 @@ use lobe::{fresnel, power_reflection, reflection, reflection_pdf, sample_power, 
 use lobe::{sample_transmission, transmission, transmission_pdf};
 use std::f64::consts::PI;
 use std::sync::Arc;
-
-/// Specularity from which a polished surface has a Fresnel term.
-const FRESNEL_FROM: f64 = 0.017999;
 
 /// What light arrives along a direction. RADIANCE scatters them by different formulas.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -258,10 +255,9 @@ impl Bsdf {
     /// Plastic, metal, trans, plastic2, metal2 and trans2 (semantics 3.3, 3.4).
     pub fn reflectance(point: &Point, m: &Reflectance, rules: &Rules) -> Self {
         let mut bsdf = Self::black(point);
-        let cos = bsdf.to_viewer.z.max(0.001);
         let pure = m.isotropic && m.roughness[0].abs() <= PURE;
         let polished = pure && m.specularity >= FRESNEL_FROM;
-        let f = if polished { fresnel(cos, rules.fresnel_offset) } else { 0.0 };
+        let f = if polished { bsdf.fresnel(rules) } else { 0.0 };
         let specular = m.specularity + f * (1.0 - m.specularity);
         let transmitted = m.transmission * (1.0 - specular);
         let straight = transmitted * m.transmitted_specular;
@@ -322,8 +318,13 @@ impl Bsdf {
         [u, v]
     }
 
+    /// What a polished surface reflects toward the viewer whatever it is made of (semantics 3.3).
+    pub fn fresnel(&self, rules: &Rules) -> f64 {
+        fresnel(self.to_viewer.z.max(0.001), rules.fresnel_offset)
+    }
+
     /// The mirror direction, world: at the bent normal, unless that would lead through the surface.
-    fn mirror(&self, point: &Point) -> Vec3 {
+    pub fn mirror(&self, point: &Point) -> Vec3 {
         let at = |normal: Vec3| normal * (2.0 * normal.dot(point.to_viewer)) - point.to_viewer;
         let direction = at(point.shading);
         if self.bent && direction.dot(point.geometric) <= 1e-6 { at(point.geometric) } else { direction }

@@ -132,6 +132,8 @@ impl Inside {
 
 /// Roughness at or below this is none at all: a mirror (RADIANCE, `a² ≤ 1e-6`).
 pub const PURE: f64 = 0.001;
+/// Specularity from which what is that smooth has a Fresnel term (semantics 3.3).
+pub const FRESNEL_FROM: f64 = 0.017999;
 
 /// What is outside a dielectric.
 pub const AIR: Medium = Medium { transmissivity: Rgb::ONE, index: 1.0 };

@@ -15,6 +15,7 @@ mod indices;
 mod look;
 mod misfit;
 pub mod model;
+mod polished;
 pub mod predict;
 mod rough;
 mod scores;
@@ -35,6 +36,7 @@ use crate::world::World;
 use doubts::Known;
 use model::Kind;
 use rayon::prelude::*;
+use rough::Sought;
 pub use sharpness::Blur;
 use std::time::Instant;
 
@@ -198,7 +200,7 @@ pub fn recover(evidence: &Evidence, unknown: &Unknown, material: MaterialId, eff
         let evidence = Evidence { film, ..*evidence };
         let pixels = evidence.pixels(unknown, material)?;
         match Kind::named(&unknown.material().kind) {
-            Some(kind) => rough::recover(&evidence, unknown, material, kind, &pixels, effort, tell),
+            Some(kind) => polished::recover(&Sought { evidence: &evidence, unknown, material, kind, pixels: &pixels }, effort, tell),
             None => clear::recover(&evidence, unknown, material, &pixels, effort, tell),
         }
     };

@@ -205,6 +205,31 @@ impl Unknown {
         &self.slots[..self.material.reals.len()]
     }
 
+    /// The same with one parameter known, at the place `slot` of [`Self::parameters`]; `None` if nothing is unknown then.
+    pub fn knowing(&self, slot: usize, value: f64) -> Option<Self> {
+        let mut known = self.clone();
+        known.parameters.remove(slot);
+        for (start, at) in known.start.iter_mut().zip(&mut known.slots) {
+            match *at {
+                Some(k) if k == slot => (*start, *at) = (value, None),
+                Some(k) if k > slot => *at = Some(k - 1),
+                _ => {}
+            }
+        }
+        let place = |k: &usize| if *k > slot { k - 1 } else { *k };
+        known.groups.iter_mut().for_each(|group| *group = group.iter().filter(|k| **k != slot).map(place).collect());
+        known.groups.retain(|group| !group.is_empty());
+        (!known.parameters.is_empty()).then_some(known)
+    }
+
+    /// The same with its parameter at `slot` not below `low`.
+    pub fn from(&self, slot: usize, low: f64) -> Self {
+        let mut bounded = self.clone();
+        let parameter = &mut bounded.parameters[slot];
+        (parameter.low, parameter.start) = (parameter.low.max(low), parameter.start.max(low));
+        bounded
+    }
+
     /// The file with these values of the parameters and nothing else changed.
     pub fn document(&self, values: &[f64]) -> Result<Document> {
         let mut document = self.document.clone();

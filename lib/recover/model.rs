@@ -11,13 +11,15 @@ pub struct Kind {
     pub transmits: bool,
     /// Whether it has two roughnesses.
     pub anisotropic: bool,
+    /// Whether it is polished: a mirror, with a Fresnel term. The nodes of its basis are what that reflects.
+    pub polished: bool,
 }
 
 impl Kind {
     /// The kind that a type is; `None` if it is none of them.
     pub fn named(name: &str) -> Option<Self> {
         let (stem, anisotropic) = name.strip_suffix('2').map_or((name, false), |stem| (stem, true));
-        let kind = |metal, transmits| Some(Self { metal, transmits, anisotropic });
+        let kind = |metal, transmits| Some(Self { metal, transmits, anisotropic, polished: false });
         match stem {
             "plastic" => kind(false, false),
             "metal" => kind(true, false),
@@ -44,18 +46,21 @@ pub fn parts(kind: Kind, a: &[f64]) -> [[f64; 3]; 4] {
     ]
 }
 
-/// The roughnesses of nodes along the two tangents, rising; without anisotropy the first alone counts.
+/// The roughnesses of nodes along the two tangents, rising; without anisotropy the first alone counts. Of what is polished, reflectances.
 pub type Grid = [Vec<f64>; 2];
 
 /// The coefficients of red's, green's and blue's columns for the real arguments `a`, in a basis with nodes on `grid` (anisotropic nodes are all
 /// pairs, u slowest).
 pub fn coefficients(kind: Kind, monomials: &Monomials, grid: &Grid, a: &[f64]) -> [Vec<f64>; 3] {
-    let parts = parts(kind, a);
-    let nodes = nodes(kind, grid, &a[4..if kind.anisotropic { 6 } else { 5 }]);
+    let mut parts = parts(kind, a);
+    let nodes = match kind.polished {
+        true => std::mem::replace(&mut parts[2], [1.0; 3]).map(|reflectance| cubic(&grid[0], reflectance)),
+        false => [(); 3].map(|()| nodes(kind, grid, &a[4..if kind.anisotropic { 6 } else { 5 }])),
+    };
     std::array::from_fn(|c| {
         let product = |m: usize| monomials.exponents[m].iter().zip(parts).map(|(&e, p)| p[c].powi(e as i32)).product::<f64>();
         let products: Vec<f64> = (0..monomials.exponents.len()).map(product).collect();
-        monomials.column().map(|(m, node)| products[m] * node.map_or(1.0, |n| nodes[n])).collect()
+        monomials.column().map(|(m, node)| products[m] * node.map_or(1.0, |n| nodes[c][n])).collect()
     })
 }
 

@@ -10,12 +10,12 @@ use crate::anneal::{Annealer, Options};
 use crate::color::Rgb;
 use crate::error::Result;
 use crate::scene::MaterialId;
-use crate::transport::{self, Alpha, Basis, Pixels, Rough};
+use crate::transport::{self, Alpha, Basis, ORDER, Pixels, Rough};
 use crate::unknown::Unknown;
 use std::time::Instant;
 
 /// The smallest roughness that a node stands for; below it a lobe is hardly to be told from a mirror's.
-const SMOOTHEST: f64 = 0.002;
+pub const SMOOTHEST: f64 = 0.002;
 
 /// Nodes along an axis, of isotropic and of anisotropic materials, and the ratio of neighbours at a closer look.
 const NODES: (usize, f64) = (16, 1.2);
@@ -94,7 +94,10 @@ impl<'a> Stage<'a> {
     /// A stage with these nodes, all seen along directions drawn from these roughnesses.
     fn new(evidence: &'a Evidence<'a>, unknown: &'a Unknown, material: MaterialId, kind: Kind, grid: Grid, proposals: Vec<Alpha>) -> Self {
         let middle = grid.each_ref().map(|nodes| nodes[nodes.len() / 2]);
-        let rough = Rough::new(material, kind.metal, kind.transmits, alphas(kind, &grid), proposals);
+        let rough = match kind.polished {
+            true => Rough::polished(material, kind.metal, kind.transmits, &grid[0]),
+            false => Rough::new(material, kind.metal, kind.transmits, alphas(kind, &grid), proposals),
+        };
         Self {
             evidence,
             unknown,
@@ -118,7 +121,7 @@ impl<'a> Stage<'a> {
 
     /// Whether the roughness is small.
     fn sharp(&self) -> bool {
-        self.middle[0].max(self.middle[1]) < SHARP
+        self.kind.polished || self.middle[0].max(self.middle[1]) < SHARP
     }
 
     /// The axes whose roughness is unknown, and its place among the parameters.
@@ -152,6 +155,9 @@ fn roughness(kind: Kind, a: &[f64]) -> [f64; 2] {
 
 impl Model for Stage<'_> {
     fn tune(&mut self, values: &[f64], errors: Option<&[f64]>) {
+        if self.kind.polished {
+            return self.know(values, false);
+        }
         let near = roughness(self.kind, &self.unknown.reals(values));
         let known = self.axes().all(|(axis, slot)| errors.is_some_and(|e| e[slot] < KNOWN * near[axis]));
         let errors = slots(self.kind, self.unknown).map(|slot| slot.zip(errors).map_or(0.0, |(slot, errors)| errors[slot]));
@@ -226,16 +232,37 @@ pub fn near_start<'a>(evidence: &'a Evidence<'a>, unknown: &'a Unknown, material
     Stage::new(evidence, unknown, material, kind, grid, vec![])
 }
 
-/// Recovers the numbers.
-pub fn recover(
-    evidence: &Evidence,
-    unknown: &Unknown,
-    material: MaterialId,
-    kind: Kind,
-    pixels: &[usize],
-    effort: Effort,
-    tell: &dyn Fn(&str),
-) -> Result<Recovery> {
+/// Reflectances that a polished unknown is looked at with: as many as a product of the basis needs.
+const REFLECTANCES: [f64; ORDER + 1] = [0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0];
+
+/// What is recovered, and from what.
+#[derive(Clone, Copy)]
+pub struct Sought<'a> {
+    /// What is known.
+    pub evidence: &'a Evidence<'a>,
+    /// What is not.
+    pub unknown: &'a Unknown,
+    /// Its place among the materials of the scene.
+    pub material: MaterialId,
+    /// What it is.
+    pub kind: Kind,
+    /// The pixels that show it, and count.
+    pub pixels: &'a [usize],
+}
+
+/// Recovers the numbers of one that is polished, near some.
+pub fn polished(sought: &Sought, effort: Effort, near: &[f64]) -> Recovery {
+    let Sought { evidence, unknown, material, kind, pixels } = *sought;
+    let grid = [(); 2].map(|()| REFLECTANCES.to_vec());
+    let mut stage = Stage::new(evidence, unknown, material, Kind { polished: true, ..kind }, grid, vec![]);
+    let bounds = unknown.bounds();
+    let look = Look { evidence, pixels, parameters: unknown.parameters(), bounds: &bounds, effort: &effort, another: &|| false };
+    look.at(&mut stage, near, &mut Seeds::new(effort.seed))
+}
+
+/// Recovers the numbers; no further than to a look that finds what is `enough`.
+pub fn recover(sought: &Sought, effort: Effort, enough: &dyn Fn(&Recovery) -> bool, tell: &dyn Fn(&str)) -> Result<Recovery> {
+    let Sought { evidence, unknown, material, kind, pixels } = *sought;
     let nodes = kind.nodes();
     let bounds = unknown.bounds();
     let mut seeds = Seeds::new(effort.seed);
@@ -275,7 +302,7 @@ pub fn recover(
         let another = || look < MOST_LOOKS && !late();
         let closer = Look { evidence, pixels, parameters: unknown.parameters(), bounds: &bounds, effort: &effort, another: &another };
         let found = closer.at(&mut stage, &best, &mut seeds);
-        if late() || found.amiss().is_some() {
+        if late() || found.amiss().is_some() || enough(&found) {
             return Ok(found);
         }
         let (doubtful, strayed) = (stage.doubtful(&found.clarity), !stage.holds(&found.values));

@@ -5,7 +5,7 @@
 //! nodes, all evaluated on the same directions. Choices on a path never depend on what is unknown.
 
 use super::{LANES, Nodes};
-use crate::bsdf::{Arriving, Bsdf, Delta, Part, lobe};
+use crate::bsdf::{Arriving, Bsdf, Delta, Part, Point, lobe};
 use crate::color::Rgb;
 use crate::integrator::{Scattering, Transport};
 use crate::material::Inside;
@@ -107,6 +107,8 @@ pub struct Rough {
     pub guess: Option<[Rgb; 4]>,
     /// Whether a direction more is worth its cost at the first surface ([`Transport::control`]): where light hardly differs within the lobe.
     pub control: bool,
+    /// Of a polished unknown, what its mirror reflects at the nodes, in lanes, apart from the Fresnel term.
+    mirror: Option<Vec<f32x8>>,
     /// The nodes in lanes: inverses of the two squared roughnesses, and of the root of their product. Lanes without a node are 0.
     lanes: Vec<Lanes>,
     /// The proposals, likewise.
@@ -130,7 +132,15 @@ impl Rough {
     pub fn new(material: MaterialId, metal: bool, transmits: bool, nodes: Vec<Alpha>, proposals: Vec<Alpha>) -> Self {
         let monomials = Monomials::new(transmits, nodes.len());
         let (in_lanes, drawn) = (lanes(&nodes), lanes(&proposals));
-        Self { material, metal, transmits, nodes, proposals, monomials, guess: None, control: false, lanes: in_lanes, drawn }
+        Self { material, metal, transmits, nodes, proposals, monomials, guess: None, control: false, mirror: None, lanes: in_lanes, drawn }
+    }
+
+    /// A polished material: a mirror that is explored at these reflectances, from 0 to 1. A product's picture is a polynomial of its reflectance,
+    /// no higher than [`ORDER`], as (1 − F) r + F is at every meeting: one reflectance more than that suffices.
+    pub fn polished(material: MaterialId, metal: bool, transmits: bool, reflectances: &[f64]) -> Self {
+        let lane = |chunk: &[f64]| f32x8::from(std::array::from_fn(|i| chunk.get(i).map_or(0.0, |&r| r as f32)));
+        let mirror = Some(reflectances.chunks(LANES).map(lane).collect());
+        Self { mirror, ..Self::new(material, metal, transmits, vec![[0.0; 2]; reflectances.len()], vec![]) }
     }
 
     /// Draws directions from these roughnesses from now on.
@@ -160,7 +170,18 @@ impl Rough {
     fn weights(&self) -> [f64; 4] {
         let sizes = self.guess.map_or([UNKNOWN_SHARE; 4], |guess| guess.map(|g| g.max_element()));
         let least = LEAST_SHARE * sizes.into_iter().fold(UNKNOWN_SHARE, f64::max);
-        std::array::from_fn(|part| if part % 2 == 1 && !self.transmits { 0.0 } else { sizes[part].max(least) })
+        let gathers = |part: usize| (part < 2 || self.mirror.is_none()) && (part.is_multiple_of(2) || self.transmits);
+        std::array::from_fn(|part| if gathers(part) { sizes[part].max(least) } else { 0.0 })
+    }
+
+    /// What is special at a point where it is polished; `shape` stands for it there.
+    fn polish(&self, shape: &Bsdf, point: &Point, rules: &Rules) -> Polish {
+        let fresnel = shape.fresnel(rules);
+        let guess = |part: Part| self.guess.map_or(Rgb::splat(UNKNOWN_SHARE), |guess| guess[part as usize]) * (1.0 - fresnel);
+        let delta = |direction, coefficient, reflected| Some(Delta { direction, coefficient, reflected, medium: None });
+        let straight = delta(shape.to_world(shape.straight()), guess(Part::SpecularTransmission), false);
+        let mirror = delta(shape.mirror(point), guess(Part::SpecularReflection) + Rgb::splat(fresnel), true);
+        Polish { fresnel, deltas: [mirror, straight.filter(|_| self.transmits)] }
     }
 
     /// The product after one more part, and what else is to be multiplied with.
@@ -198,7 +219,15 @@ pub(super) struct Tagging<'a, const L: usize> {
 /// Scattering at a known surface, or at the unknown.
 pub(super) enum Surface<'a> {
     Known(Bsdf),
-    Unknown { shape: Bsdf, pattern: Rgb, unknown: &'a Rough },
+    Unknown { shape: Bsdf, pattern: Rgb, unknown: &'a Rough, polish: Option<Box<Polish>> },
+}
+
+/// What is special where the unknown is polished.
+pub(super) struct Polish {
+    /// What is reflected toward the viewer whatever it is made of.
+    fresnel: f64,
+    /// The mirror's direction, and straight on.
+    deltas: [Option<Delta>; 2],
 }
 
 /// What a part of the unknown counts for in the choice of a way on where nothing is known of it; and the least, in terms of the largest.
@@ -208,10 +237,18 @@ const LEAST_SHARE: f64 = 0.1;
 impl<const L: usize> Tagging<'_, L> {
     /// A part's value at a direction, without its coefficient, and the density with which its samples are drawn there.
     pub(super) fn shape(&self, shape: &Bsdf, part: Part, wi: Vec3, arriving: Arriving) -> (Nodes<L>, f64) {
+        let polished = self.unknown.mirror.is_some();
         if part.diffuse() {
             let lambert = wi.z.abs() / PI;
-            let kept = if arriving == Arriving::Indirect { shape.kept } else { 1.0 };
-            return ([f32x8::splat((lambert / kept) as f32); L], lambert);
+            let value = match arriving {
+                Arriving::Indirect => lambert / shape.kept,
+                Arriving::Lamp(_) if polished => lambert * (1.0 - lobe::fresnel(wi.z.abs(), self.rules.fresnel_offset)),
+                Arriving::Lamp(_) => lambert,
+            };
+            return ([f32x8::splat(value as f32); L], lambert);
+        }
+        if polished {
+            return ([f32x8::ZERO; L], 0.0);
         }
         let widened = match arriving {
             Arriving::Lamp(omega) => shape.widened(part.side(), omega, self.rules),
@@ -244,10 +281,29 @@ impl<const L: usize> Tagging<'_, L> {
 
     /// The first term of a throughput, after meeting a part of the unknown that makes `lobes` of it at each group of nodes.
     fn met(&self, beta: &Beta<L>, surface: &Surface, part: Part, lobes: impl Fn(usize) -> f32x8) -> Option<Term<L>> {
-        let (Surface::Unknown { pattern, unknown, .. }, Some(term)) = (surface, beta.terms[0]) else { return None };
+        let (Surface::Unknown { pattern, unknown, polish, .. }, Some(term)) = (surface, beta.terms[0]) else { return None };
         let (monomial, guess) = unknown.meet(term.monomial, part)?;
+        let guess = polish.as_ref().map_or(guess, |polish| guess * (1.0 - polish.fresnel));
         let known = guess * if part == Part::SpecularReflection && !unknown.metal { term.known } else { term.known * *pattern };
         Some(Term { monomial, known, lobes: std::array::from_fn(|l| term.lobes[l] * lobes(l)) })
+    }
+
+    /// What the first term of a throughput is behind a mirror, or straight through it.
+    fn mirrored(&self, beta: &Beta<L>, surface: &Surface, polish: &Polish, delta: &Delta) -> Option<Term<L>> {
+        let (Surface::Unknown { pattern, unknown, .. }, Some(mirror), Some(term)) = (surface, &self.unknown.mirror, beta.terms[0]) else {
+            return None;
+        };
+        if !delta.reflected {
+            return self.met(beta, surface, Part::SpecularTransmission, |_| f32x8::ONE);
+        }
+        let known = if unknown.metal { term.known * *pattern } else { term.known };
+        Some(match unknown.monomials.times(term.monomial, Part::SpecularReflection) {
+            Some(monomial) => {
+                let (f, left) = (f32x8::splat(polish.fresnel as f32), f32x8::splat((1.0 - polish.fresnel) as f32));
+                Term { monomial, known, lobes: std::array::from_fn(|l| term.lobes[l] * (mirror.get(l).map_or(f, |r| *r * left + f))) }
+            }
+            None => Term { known: known * delta.coefficient, ..term },
+        })
     }
 
     /// A throughput behind a known surface.
@@ -280,7 +336,9 @@ impl<'a, const L: usize> Transport for Tagging<'a, L> {
         if layer.id != self.unknown.material || layer.material.is_none() {
             return Surface::Known(layer.bsdf(rules));
         }
-        Surface::Unknown { shape: layer.bsdf(rules), pattern: layer.pattern, unknown: self.unknown }
+        let shape = layer.bsdf(rules);
+        let polish = self.unknown.mirror.is_some().then(|| Box::new(self.unknown.polish(&shape, &layer.point, rules)));
+        Surface::Unknown { shape, pattern: layer.pattern, unknown: self.unknown, polish }
     }
 
     fn aimed(&self, beta: &Beta<L>, surface: &Surface, wi: Vec3, arriving: Arriving, pdf: f64, counts: &[f64; 4]) -> Beta<L> {
@@ -346,12 +404,13 @@ impl<'a, const L: usize> Transport for Tagging<'a, L> {
                 self.scale(&mut beta, bsdf.ambient[side]);
                 beta
             }
-            Surface::Unknown { pattern, unknown, .. } => {
+            Surface::Unknown { pattern, unknown, polish, .. } => {
+                let left = polish.as_ref().map_or(1.0, |polish| 1.0 - polish.fresnel);
                 let mut beta = beta.clone();
                 for slot in &mut beta.terms {
                     *slot = slot.and_then(|t| {
                         let (monomial, guess) = unknown.meet(t.monomial, Part::ALL[side])?;
-                        Some(Term { monomial, known: t.known * *pattern * guess, ..t })
+                        Some(Term { monomial, known: t.known * *pattern * guess * left, ..t })
                     });
                 }
                 beta
@@ -359,7 +418,10 @@ impl<'a, const L: usize> Transport for Tagging<'a, L> {
         }
     }
 
-    fn follow(&self, beta: &Beta<L>, _: &Surface, delta: &Delta) -> Beta<L> {
+    fn follow(&self, beta: &Beta<L>, surface: &Surface, delta: &Delta) -> Beta<L> {
+        if let Surface::Unknown { polish: Some(polish), .. } = surface {
+            return Beta { terms: [self.mirrored(beta, surface, polish, delta), None] };
+        }
         let mut beta = beta.clone();
         self.scale(&mut beta, delta.coefficient);
         beta
@@ -400,7 +462,7 @@ impl Scattering for Surface<'_> {
     fn deltas(&self) -> &[Option<Delta>; 2] {
         match self {
             Self::Known(bsdf) => &bsdf.deltas,
-            Self::Unknown { .. } => &[None; 2],
+            Self::Unknown { polish, .. } => polish.as_ref().map_or(&[None; 2], |polish| &polish.deltas),
         }
     }
 
@@ -434,6 +496,7 @@ impl Scattering for Surface<'_> {
     fn lamp_ratio(&self, part: Part, wi: Vec3) -> Option<f64> {
         match self {
             Self::Known(bsdf) => bsdf.lamp_ratio(part, wi),
+            Self::Unknown { polish: Some(_), .. } => None,
             Self::Unknown { shape, .. } if part.diffuse() => Some(shape.kept),
             Self::Unknown { shape, .. } => shape.lamp_ratio(part, wi),
         }

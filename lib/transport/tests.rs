@@ -248,7 +248,7 @@ fn check_rough_by(rules: Rules, kind: Kind, name: &str, sets: [&[f64]; 5]) {
 
 #[test]
 fn a_basis_of_plastic_is_the_picture() {
-    let kind = Kind { metal: false, transmits: false, anisotropic: false };
+    let kind = Kind::named("plastic").unwrap();
     let sets: [&[f64]; 5] = [
         &[0.5, 0.5, 0.5, 0.05, 0.12],
         &[0.7, 0.7, 0.7, 0.12, 0.12],
@@ -261,7 +261,7 @@ fn a_basis_of_plastic_is_the_picture() {
 
 #[test]
 fn a_basis_of_metal_is_the_picture() {
-    let kind = Kind { metal: true, transmits: false, anisotropic: false };
+    let kind = Kind::named("metal").unwrap();
     let sets: [&[f64]; 5] = [
         &[0.5, 0.5, 0.5, 0.5, 0.12],
         &[0.8, 0.6, 0.3, 0.9, 0.05],
@@ -274,7 +274,7 @@ fn a_basis_of_metal_is_the_picture() {
 
 #[test]
 fn a_basis_of_trans_is_the_picture() {
-    let kind = Kind { metal: false, transmits: true, anisotropic: false };
+    let kind = Kind::named("trans").unwrap();
     let sets: [&[f64]; 5] = [
         &[0.5, 0.5, 0.5, 0.05, 0.12, 0.5, 0.5],
         &[0.8, 0.6, 0.3, 0.0, 0.05, 1.0, 0.0],

@@ -1,0 +1,37 @@
+//! A surface whose roughness is up to .001 is a mirror with a Fresnel term in RADIANCE: what is found of it must be that.
+
+mod photograph;
+#[path = "photograph/said.rs"]
+mod said;
+
+use photograph::photographed;
+use said::{recovered, said};
+
+/// A lamp under a sky, and the ball.
+const SCENE: &str = "void light lamp 0 0 3 100 90 80\nlamp sphere l 0 0 4 3 -4 5 .2\nvoid glow sky 0 0 4 .5 .6 .9 0\nsky source above 0 0 4 0 0 1 180\n\
+                     void glow ground 0 0 4 .2 .1 .1 0\nground source below 0 0 4 0 0 -1 180\nit sphere s 0 0 4 0 0 0 1\n";
+
+fn check(material: &str, arguments: &str, truth: &[(&str, f64)]) {
+    let directory = photographed(material, SCENE, "-x 48 -y 48 --spp 128 --seed 3 -o target.exr");
+    let out = recovered(directory.path(), &format!("--seed 1 --scene scene.rad --target target.exr {arguments} start.rad"));
+    for (name, truth) in truth {
+        let (value, error) = said(&out, name);
+        assert!((value - truth).abs() < 3.0 * error && error < 0.003, "{name} {value} ± {error}, not {truth}");
+    }
+    assert!(!out.contains("warning"), "{out}");
+}
+
+/// Without the Fresnel term, the specularity came out as .068 ± .002.
+#[test]
+fn polished_plastic_is_found() {
+    check("plastic it 0 0 5 .2 .1 .05 .04 0", "", &[("red", 0.2), ("green", 0.1), ("blue", 0.05), ("spec", 0.04), ("rough", 0.0)]);
+}
+
+#[test]
+fn polished_metal_is_found_where_its_roughness_is_known() {
+    check(
+        "metal it 0 0 5 .8 .6 .4 .9 .0009",
+        "--param rough=.0005:0:.001 --fix rough",
+        &[("red", 0.8), ("green", 0.6), ("blue", 0.4), ("spec", 0.9)],
+    );
+}
