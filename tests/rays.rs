@@ -155,6 +155,34 @@ fn what_rays_cannot_be_is_said_in_one_line() {
 }
 
 #[test]
+fn an_instance_with_a_modifier_shows_what_has_none_itself() {
+    let directory = tempfile::tempdir().unwrap();
+    let write = |name: &str, bytes: &[u8]| std::fs::write(directory.path().join(name), bytes).unwrap();
+    // Octrees that name one file each, and a glow that nothing has: oconv scene.rad '!echo void glow g 0 0 4 1 1 1 0' > inner.oct
+    let inner = include_bytes!("import/plain.oct");
+    let outer: Vec<u8> = String::from_utf8_lossy(inner).replace("scene.rad", "outer.rad").into_bytes();
+    write("inner.oct", inner);
+    write("outer.oct", &outer);
+    write("scene.rad", b"void sphere b 0 0 4 0 0 0 1\nvoid mesh t 1 t.obj 0 0\n");
+    write("outer.rad", b"void instance w 1 inner.oct 0 0\n");
+    write("t.obj", b"v 4 -1 0\nv 6 -1 0\nv 5 2 0\nf 1 2 3\n");
+    write(
+        "main.rad",
+        b"void plastic m 0 0 5 .5 .5 .5 0 0\nm instance i 1 inner.oct 0 0\nm instance o 5 outer.oct -t 0 20 0 0 0\n\
+          void instance v 5 inner.oct -t 0 40 0 0 0\n",
+    );
+    let rays = b"0 0 5 0 0 -1 5 0 5 0 0 -1 0 20 5 0 0 -1 5 20 5 0 0 -1 0 40 5 0 0 -1";
+    let output = run(directory.path(), &"-h -ab 0 -av 1 1 1 -ovLsm main.rad".split(' ').collect::<Vec<_>>(), rays);
+    // rtrace -h -ab 0 -av 1 1 1 -ovLsm main.oct, with the mesh made by obj2mesh; the last one sees through what is void: no light.
+    let half = "5.000000e-01\t5.000000e-01\t5.000000e-01";
+    let wanted =
+        format!("{half}\t4.000000e+00\ti\tm\t\n{half}\t5.000000e+00\ti\tm\t\n{half}\t4.000000e+00\to\tm\t\n{half}\t5.000000e+00\to\tm\t\n");
+    let found = String::from_utf8(output.stdout).unwrap();
+    let rest = found.strip_prefix(wanted.as_str());
+    assert!(rest.is_some_and(|rest| rest.starts_with("0.000000e+00\t0.000000e+00\t0.000000e+00\t")), "{found}");
+}
+
+#[test]
 fn answers_do_not_depend_on_threads_and_meet_the_error_asked_for() {
     // A Lambertian plane under a hemisphere of radiance 1: .5 at every ray.
     let scene = "void glow g 0 0 4 1 1 1 0\ng source sky 0 0 4 0 0 1 180\nvoid plastic p 0 0 5 .5 .5 .5 0 0\np ring r 0 0 8 0 0 0 0 0 1 0 9\n\
