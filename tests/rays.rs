@@ -142,7 +142,8 @@ fn what_rays_cannot_be_is_said_in_one_line() {
         (&["-ovq", "s.rad"], "", "rtrace-rs: error: unknown option '-ovq'"),
         (&["-fca", "s.rad"], "", "rtrace-rs: error: -fca: give the form of the rays"),
         (&["-ffc", "-oL", "s.rad"], "", "rtrace-rs: error: answers are colours (-f…c) with -ov, -or or -ox alone"),
-        (&["-"], "", "rtrace-rs: error: standard input holds the rays"),
+        (&["-"], "", "rtrace-rs: error: standard input holds the rays; name the files of the scene, or give a view"),
+        (&["-h"], "", "rtrace-rs: error: standard input holds the rays; name the files of the scene, or give a view"),
         (&["-te", "a", "-ti", "b", "-otv", "s.rad"], "", "rtrace-rs: error: -te and -ti exclude each other"),
     ] {
         let output = run(directory.path(), args, input.as_bytes());
@@ -152,6 +153,25 @@ fn what_rays_cannot_be_is_said_in_one_line() {
     // What came before the fault is answered.
     let output = run(directory.path(), &["-h", "s.rad"], b"0 0 0 0 0 1 0 0 x");
     assert_eq!(String::from_utf8_lossy(&output.stdout), "1.000000e+00\t2.000000e+00\t3.000000e+00\t\n");
+}
+
+#[test]
+fn a_view_alone_sees_the_scene_on_standard_input() {
+    let directory = tempfile::tempdir().unwrap();
+    // oconv scene.rad '!echo void glow g 0 0 4 1 1 1 0' > plain.oct
+    let octree = include_bytes!("import/plain.oct");
+    for (name, bytes) in [("s.rad", GLOW.as_bytes()), ("scene.rad", GLOW.as_bytes()), ("s.oct", octree)] {
+        std::fs::write(directory.path().join(name), bytes).unwrap();
+    }
+    let view: Vec<&str> = "-vp 0 0 0 -vd 0 0 1 -vu 0 1 0 -x 4 -y 4 --spp 1 -n 1".split(' ').collect();
+    let pixels = |named: &[&str], input: &[u8]| {
+        let output = run(directory.path(), &[&view, named].concat(), input);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let end = output.stdout.windows(2).position(|w| w == b"\n\n").unwrap();
+        output.stdout[end..].to_vec()
+    };
+    let wanted = pixels(&["s.rad"], b"");
+    assert!(wanted == pixels(&[], GLOW.as_bytes()) && wanted == pixels(&["-"], GLOW.as_bytes()) && wanted == pixels(&[], octree));
 }
 
 #[test]
