@@ -116,6 +116,21 @@ fn a_check_says_what_the_renderer_would_refuse_beside_all_else() {
 }
 
 #[test]
+fn an_octree_is_told_from_a_scene_file_and_a_command_that_was_typed_is_run() {
+    let directory = tempfile::tempdir().unwrap();
+    fs::write(directory.path().join("x.oct"), include_bytes!("import/plain.oct")).unwrap();
+    for mode in [&["x.oct"][..], &["--check", "x.oct"]] {
+        let (status, _, said) = rparse(directory.path(), mode, b"");
+        let wanted = "rparse: error: x.oct: this is an octree, not a scene file: rtrace-rs reads it; give rparse the scene files that it was made from\n";
+        assert_eq!((status, said.as_str()), (2, wanted));
+    }
+    let flat = b"void light l\n0\n0\n3 1 1 1\n\n";
+    let (status, output, said) = rparse(directory.path(), &["!echo void light l 0 0 3 1 1 1"], b"");
+    assert_eq!((status, output.as_slice(), said.as_str()), (0, &flat[..], ""));
+    assert_eq!(rparse(directory.path(), &["!exit 3"], b"").0, 2);
+}
+
+#[test]
 fn commands_run_only_when_allowed() {
     let directory = tempfile::tempdir().unwrap();
     let scene = b"!touch pwned\n!echo void plastic p 0 0 0\n";

@@ -11,15 +11,20 @@ use crate::resolve::Resolve;
 use crate::view::View;
 use std::process::{Command, Stdio};
 
-/// The documents of scene files and octrees. A name that begins with `!` is a command that prints one; it was typed, so it may run.
+/// The name and the bytes of a scene file or octree. A name that begins with `!` is a command that prints one; it was typed, so it may run.
+pub fn typed(input: &Input, name: &str) -> Result<(String, Vec<u8>)> {
+    match name.strip_prefix('!') {
+        Some(command) => Ok((name.into(), output(command)?)),
+        None => input.read(name),
+    }
+}
+
+/// The documents of scene files and octrees.
 pub fn documents(names: &[String], resolve: &dyn Resolve) -> Result<Vec<Document>> {
     let input = Input::default();
     let mut documents = Vec::new();
     for name in names {
-        let (name, bytes) = match name.strip_prefix('!') {
-            Some(command) => (name.clone(), output(command)?),
-            None => input.read(name)?,
-        };
+        let (name, bytes) = typed(&input, name)?;
         if !is_octree(&bytes) {
             documents.push(Document::read(&name, bytes)?);
             continue;
