@@ -202,6 +202,26 @@ fn an_instance_with_a_modifier_shows_what_has_none_itself() {
     assert!(rest.is_some_and(|rest| rest.starts_with("0.000000e+00\t0.000000e+00\t0.000000e+00\t")), "{found}");
 }
 
+#[cfg(unix)]
+#[test]
+fn names_that_are_no_utf_8_are_found_and_told_byte_for_byte() {
+    use std::os::unix::ffi::OsStrExt;
+    let directory = tempfile::tempdir().unwrap();
+    let named = |end: &[u8]| directory.path().join(std::ffi::OsStr::from_bytes(&[b"caf\xe9", end].concat()));
+    std::fs::write(named(b".rad"), b"void brightfunc f 2 half caf\xe9.cal 0 0\nf plastic caf\xe9 0 0 5 1 1 1 0 0\n").unwrap();
+    std::fs::write(named(b".cal"), b"half = .5;").unwrap();
+    std::fs::write(named(b".obj"), b"v -1 -1 0\nv 1 -1 0\nv 0 2 0\nf 1 2 3\n").unwrap();
+    std::fs::write(directory.path().join("s.rad"), b"!cat caf\xe9.rad\ncaf\xe9 mesh m 1 caf\xe9.obj 0 0\n").unwrap();
+    let output = run(directory.path(), &"-h -ab 0 -av 1 1 1 -ovm s.rad".split(' ').collect::<Vec<_>>(), b"0 0 5 0 0 -1");
+    // rtrace -h -ab 0 -av 1 1 1 -ovm s.oct, with the mesh made by obj2mesh.
+    let wanted = b"5.000000e-01\t5.000000e-01\t5.000000e-01\tcaf\xe9\t\n";
+    assert!(output.stdout == wanted, "{output:?}");
+    // Named on the command line; JSON can hold such bytes only as characters.
+    let json = Command::new(env!("CARGO_BIN_EXE_rparse")).arg("--json").arg(named(b".rad")).output().unwrap();
+    let text = String::from_utf8(json.stdout).unwrap();
+    assert!(text.contains(r#""id":"café""#) && text.contains(r#"["half","café.cal"]"#), "{text}");
+}
+
 #[test]
 fn answers_do_not_depend_on_threads_and_meet_the_error_asked_for() {
     // A Lambertian plane under a hemisphere of radiance 1: .5 at every ray.

@@ -13,7 +13,7 @@ use super::{Common, Scenes};
 #[command(name = "rparse", version)]
 pub struct Args {
     /// Scene descriptions, which follow each other; - is standard input, !COMMAND is what a command prints
-    #[arg(value_name = "FILE", default_value = "-")]
+    #[arg(value_name = "FILE", default_value = "-", value_parser = super::name())]
     pub files: Vec<String>,
 
     /// What to print.

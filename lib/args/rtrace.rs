@@ -22,7 +22,7 @@ use std::path::PathBuf;
 #[command(name = "rtrace-rs", version, max_term_width = 100)]
 pub struct Arguments {
     /// Scene files, or an octree; - is standard input, and so is none if there is a view
-    #[arg(value_name = "SCENE")]
+    #[arg(value_name = "SCENE", value_parser = super::name())]
     pub scenes: Vec<String>,
 
     /// The view.

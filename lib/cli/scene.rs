@@ -1,7 +1,7 @@
 //! Scenes and views as they are named on a command line.
 
 use super::Input;
-use super::stream::{file, plain};
+use super::stream::{file, native, plain};
 use crate::args::{Commands, Scenes, ViewWords};
 use crate::error::{Error, Result};
 use crate::expand::{Flat, expand, refuse_commands};
@@ -50,7 +50,8 @@ pub fn flat_of(documents: Vec<Document>, options: &Scenes, resolve: &dyn Resolve
 /// What a command prints.
 fn output(command: &str) -> Result<Vec<u8>> {
     let failed = |e: std::io::Error| Error::new(format!("command {command}: {}", plain(&e)));
-    let output = Command::new("sh").arg("-c").arg(command).stdin(Stdio::null()).stderr(Stdio::inherit()).output().map_err(failed)?;
+    let output =
+        Command::new("sh").arg("-c").arg(native(command)).stdin(Stdio::null()).stderr(Stdio::inherit()).output().map_err(failed)?;
     match output.status.success() {
         true => Ok(output.stdout),
         false => Err(Error::new(format!("command {command}: {}", output.status))),
