@@ -5,7 +5,9 @@
 //! `Option<bool>` is one of RADIANCE's switches: `-u+`, `-u-`, or `-u` for the contrary of what holds.
 
 use crate::error::{Error, Result};
+use crate::rad::decode;
 use crate::render::WIDEST;
+use clap::builder::{OsStringValueParser, TypedValueParser};
 use clap::{ArgAction, CommandFactory, Parser};
 use spelling::{Rewritten, is_radiance, is_switch, rewrite};
 use std::any::TypeId;
@@ -142,6 +144,11 @@ fn command<A: CommandFactory>() -> clap::Command {
     });
     command.build();
     command
+}
+
+/// A name of a file, whatever its encoding.
+fn name() -> impl TypedValueParser<Value = String> {
+    OsStringValueParser::new().map(|name| decode(name.into_encoded_bytes()))
 }
 
 /// A number that is one.

@@ -5,6 +5,7 @@ use crate::expand::Flat;
 use crate::geometry::Shape;
 use crate::rad::{Class, Link, Links, Primitive, Reals, Type};
 use crate::resolve::Resolve;
+use crate::scene::Scene;
 use crate::transform::Transform;
 use std::collections::{HashMap, HashSet};
 
@@ -17,17 +18,22 @@ pub struct Problems {
     pub warnings: Vec<Error>,
 }
 
-/// Checks the primitives of a scene; `resolve` tells whether files that surfaces name exist.
+/// Checks a scene; `resolve` reads the files that it names.
 pub fn check(flat: &Flat, resolve: &dyn Resolve) -> Problems {
     let primitives = &flat.primitives;
     let links = Links::of(primitives);
     let used = links.used(primitives);
     let mut checker = Checker { primitives, links, problems: Problems::default(), later: names(primitives), files: HashMap::new() };
+    let mut unread = HashSet::new();
     for (i, primitive) in primitives.iter().enumerate() {
         checker.names(i);
         let Some(kind) = primitive.type_of() else { continue };
         if kind.class == Class::Surface {
+            let before = checker.problems.errors.len();
             checker.surface(i, resolve);
+            if matches!(kind.name, "mesh" | "instance") && checker.problems.errors.len() > before {
+                unread.insert(i);
+            }
             continue;
         }
         // The arguments of a modifier that nothing uses do no harm.
@@ -35,7 +41,13 @@ pub fn check(flat: &Flat, resolve: &dyn Resolve) -> Problems {
             if used[i] { checker.problems.errors.push(error) } else { checker.problems.warnings.push(error) }
         }
     }
-    checker.problems
+    let mut problems = checker.problems;
+    // What the renderer says beside, once at each place: all users of a modifier find the same wrong with it.
+    let place = |error: &Error| error.place.as_ref().map(|place| (place.source.name.clone(), place.start));
+    let mut told: HashSet<_> = problems.errors.iter().map(place).collect();
+    let read = primitives.iter().enumerate().filter(|(i, _)| !unread.contains(i)).map(|(_, primitive)| primitive);
+    problems.errors.extend(Scene::problems(read, &flat.annotations, resolve).into_iter().filter(|error| told.insert(place(error))));
+    problems
 }
 
 struct Checker<'a> {
@@ -111,18 +123,12 @@ impl Checker<'_> {
         }
     }
 
-    /// Checks that a surface has one material at most, and may be a light if that is one.
+    /// Checks that a surface may be a light if its material is one.
     fn material(&mut self, i: usize, shape: Option<Shape>) {
         let chain = self.links.chain(self.primitives, i);
         let class = |j: &usize| self.primitives[*j].type_of().map(|t| t.class);
-        let mut materials = chain.iter().filter(|j| class(j) == Some(Class::Material)).map(|&j| &self.primitives[j]);
-        let (Some(material), second) = (materials.next(), materials.next()) else { return };
-        let primitive = &self.primitives[i];
-        if let Some(second) = second {
-            let (first, second) = (&material.name, &second.name);
-            self.error(primitive.modifier_error(format!("conflicting materials `{first}` and `{second}` in one chain; a surface has one")));
-            return;
-        }
+        let Some(&material) = chain.iter().find(|j| class(j) == Some(Class::Material)) else { return };
+        let (primitive, material) = (&self.primitives[i], &self.primitives[material]);
         let shines = match material.kind.as_str() {
             "light" | "illum" | "spotlight" => true,
             "glow" => material.reals.get(3).is_some_and(|&radius| radius > 0.0),

@@ -33,10 +33,10 @@
 //! | [`unknown`] | which numbers of a file are unknown, and the file with those numbers in place | serde |
 //! | [`expand`] | inline commands (`xform`, `genbox` …) done in-process; the gate for all others | |
 //! | [`support`] | which primitive types are rendered | |
-//! | [`check`] | all that is wrong with a scene, in one go | |
 //! | [`inventory`] | what a scene holds, and what rendering it takes | |
 //! | [`import`] | `.rtm`, `.oct`, `.obj`: triangles and documents | |
 //! | [`scene`] | Document to Scene: modifiers, aliases, types, patterns resolved | |
+//! | [`check`] | all that is wrong with a scene, in one go | |
 //! | [`bsdf`] | what a material does at a point: value, sample, density | |
 //! | [`light`] | what lights a point directly | |
 //! | [`accel`] | which surface a ray meets first: an eight-wide hierarchy | obvhs, rayon, wide |

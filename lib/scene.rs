@@ -5,15 +5,15 @@
 mod build;
 
 use crate::error::{Error, Result, Source};
-use crate::expand::Flat;
+use crate::expand::{Annotation, Flat};
 use crate::geometry::{Mesh, Shape};
 use crate::material::Material;
 use crate::pattern::{Mixture, Pattern, Texture};
-use crate::rad::Class;
+use crate::rad::Primitive;
 use crate::resolve::Resolve;
 use crate::transform::Transform;
 use crate::vector::Vec3;
-use build::{Builder, Unresolved};
+use build::Builder;
 use std::sync::Arc;
 
 /// What a scene is made of.
@@ -150,24 +150,31 @@ impl Scene {
         builder.scene.warnings.clone_from(&flat.warnings);
         let mut surfaces = Vec::new();
         for primitive in &flat.primitives {
-            let Some(class) = primitive.type_of().map(|t| t.class) else {
-                return Err(primitive.error(format!("{} is not a type of RADIANCE's", primitive.kind)));
-            };
-            let added = match (class, primitive.kind.as_str()) {
-                (Class::Surface, "source") => builder.source(primitive),
-                (Class::Surface, _) => builder.surface(primitive).map(|surface| surfaces.extend(surface)),
-                _ => builder.define(primitive).map_err(Unresolved::Wrong),
-            };
-            builder.forgive(added)?;
+            surfaces.extend(builder.add(primitive)?);
         }
-        for annotation in flat.annotations.iter().filter(|a| a.word == "probe") {
-            builder.probe(annotation)?;
-        }
+        probes(&flat.annotations).try_for_each(|probe| builder.probe(probe))?;
         Ok(Self { surfaces, ..builder.scene })
+    }
+
+    /// All that [`Scene::new`] would refuse in these primitives, without what is only not supported.
+    pub fn problems<'a>(primitives: impl Iterator<Item = &'a Primitive>, annotations: &[Annotation], resolve: &dyn Resolve) -> Vec<Error> {
+        let mut builder = Builder::new(resolve, true);
+        let mut errors = Vec::new();
+        for primitive in primitives {
+            errors.extend(builder.add(primitive).err());
+            errors.append(&mut builder.further);
+        }
+        errors.extend(probes(annotations).filter_map(|probe| builder.probe(probe).err()));
+        errors
     }
 
     /// The material called `name`, if a surface uses it.
     pub fn material(&self, name: &str) -> Option<MaterialId> {
         self.materials.iter().rposition(|m| m.name == name)
     }
+}
+
+/// The places where environment maps were measured, among annotations.
+fn probes(annotations: &[Annotation]) -> impl Iterator<Item = &Annotation> {
+    annotations.iter().filter(|a| a.word == "probe")
 }

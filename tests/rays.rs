@@ -142,7 +142,8 @@ fn what_rays_cannot_be_is_said_in_one_line() {
         (&["-ovq", "s.rad"], "", "rtrace-rs: error: unknown option '-ovq'"),
         (&["-fca", "s.rad"], "", "rtrace-rs: error: -fca: give the form of the rays"),
         (&["-ffc", "-oL", "s.rad"], "", "rtrace-rs: error: answers are colours (-f…c) with -ov, -or or -ox alone"),
-        (&["-"], "", "rtrace-rs: error: standard input holds the rays"),
+        (&["-"], "", "rtrace-rs: error: standard input holds the rays; name the files of the scene, or give a view"),
+        (&["-h"], "", "rtrace-rs: error: standard input holds the rays; name the files of the scene, or give a view"),
         (&["-te", "a", "-ti", "b", "-otv", "s.rad"], "", "rtrace-rs: error: -te and -ti exclude each other"),
     ] {
         let output = run(directory.path(), args, input.as_bytes());
@@ -152,6 +153,73 @@ fn what_rays_cannot_be_is_said_in_one_line() {
     // What came before the fault is answered.
     let output = run(directory.path(), &["-h", "s.rad"], b"0 0 0 0 0 1 0 0 x");
     assert_eq!(String::from_utf8_lossy(&output.stdout), "1.000000e+00\t2.000000e+00\t3.000000e+00\t\n");
+}
+
+#[test]
+fn a_view_alone_sees_the_scene_on_standard_input() {
+    let directory = tempfile::tempdir().unwrap();
+    // oconv scene.rad '!echo void glow g 0 0 4 1 1 1 0' > plain.oct
+    let octree = include_bytes!("import/plain.oct");
+    for (name, bytes) in [("s.rad", GLOW.as_bytes()), ("scene.rad", GLOW.as_bytes()), ("s.oct", octree)] {
+        std::fs::write(directory.path().join(name), bytes).unwrap();
+    }
+    let view: Vec<&str> = "-vp 0 0 0 -vd 0 0 1 -vu 0 1 0 -x 4 -y 4 --spp 1 -n 1".split(' ').collect();
+    let pixels = |named: &[&str], input: &[u8]| {
+        let output = run(directory.path(), &[&view, named].concat(), input);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let end = output.stdout.windows(2).position(|w| w == b"\n\n").unwrap();
+        output.stdout[end..].to_vec()
+    };
+    let wanted = pixels(&["s.rad"], b"");
+    assert!(wanted == pixels(&[], GLOW.as_bytes()) && wanted == pixels(&["-"], GLOW.as_bytes()) && wanted == pixels(&[], octree));
+}
+
+#[test]
+fn an_instance_with_a_modifier_shows_what_has_none_itself() {
+    let directory = tempfile::tempdir().unwrap();
+    let write = |name: &str, bytes: &[u8]| std::fs::write(directory.path().join(name), bytes).unwrap();
+    // Octrees that name one file each, and a glow that nothing has: oconv scene.rad '!echo void glow g 0 0 4 1 1 1 0' > inner.oct
+    let inner = include_bytes!("import/plain.oct");
+    let outer: Vec<u8> = String::from_utf8_lossy(inner).replace("scene.rad", "outer.rad").into_bytes();
+    write("inner.oct", inner);
+    write("outer.oct", &outer);
+    write("scene.rad", b"void sphere b 0 0 4 0 0 0 1\nvoid mesh t 1 t.obj 0 0\n");
+    write("outer.rad", b"void instance w 1 inner.oct 0 0\n");
+    write("t.obj", b"v 4 -1 0\nv 6 -1 0\nv 5 2 0\nf 1 2 3\n");
+    write(
+        "main.rad",
+        b"void plastic m 0 0 5 .5 .5 .5 0 0\nm instance i 1 inner.oct 0 0\nm instance o 5 outer.oct -t 0 20 0 0 0\n\
+          void instance v 5 inner.oct -t 0 40 0 0 0\n",
+    );
+    let rays = b"0 0 5 0 0 -1 5 0 5 0 0 -1 0 20 5 0 0 -1 5 20 5 0 0 -1 0 40 5 0 0 -1";
+    let output = run(directory.path(), &"-h -ab 0 -av 1 1 1 -ovLsm main.rad".split(' ').collect::<Vec<_>>(), rays);
+    // rtrace -h -ab 0 -av 1 1 1 -ovLsm main.oct, with the mesh made by obj2mesh; the last one sees through what is void: no light.
+    let half = "5.000000e-01\t5.000000e-01\t5.000000e-01";
+    let wanted =
+        format!("{half}\t4.000000e+00\ti\tm\t\n{half}\t5.000000e+00\ti\tm\t\n{half}\t4.000000e+00\to\tm\t\n{half}\t5.000000e+00\to\tm\t\n");
+    let found = String::from_utf8(output.stdout).unwrap();
+    let rest = found.strip_prefix(wanted.as_str());
+    assert!(rest.is_some_and(|rest| rest.starts_with("0.000000e+00\t0.000000e+00\t0.000000e+00\t")), "{found}");
+}
+
+#[cfg(unix)]
+#[test]
+fn names_that_are_no_utf_8_are_found_and_told_byte_for_byte() {
+    use std::os::unix::ffi::OsStrExt;
+    let directory = tempfile::tempdir().unwrap();
+    let named = |end: &[u8]| directory.path().join(std::ffi::OsStr::from_bytes(&[b"caf\xe9", end].concat()));
+    std::fs::write(named(b".rad"), b"void brightfunc f 2 half caf\xe9.cal 0 0\nf plastic caf\xe9 0 0 5 1 1 1 0 0\n").unwrap();
+    std::fs::write(named(b".cal"), b"half = .5;").unwrap();
+    std::fs::write(named(b".obj"), b"v -1 -1 0\nv 1 -1 0\nv 0 2 0\nf 1 2 3\n").unwrap();
+    std::fs::write(directory.path().join("s.rad"), b"!cat caf\xe9.rad\ncaf\xe9 mesh m 1 caf\xe9.obj 0 0\n").unwrap();
+    let output = run(directory.path(), &"-h -ab 0 -av 1 1 1 -ovm s.rad".split(' ').collect::<Vec<_>>(), b"0 0 5 0 0 -1");
+    // rtrace -h -ab 0 -av 1 1 1 -ovm s.oct, with the mesh made by obj2mesh.
+    let wanted = b"5.000000e-01\t5.000000e-01\t5.000000e-01\tcaf\xe9\t\n";
+    assert!(output.stdout == wanted, "{output:?}");
+    // Named on the command line; JSON can hold such bytes only as characters.
+    let json = Command::new(env!("CARGO_BIN_EXE_rparse")).arg("--json").arg(named(b".rad")).output().unwrap();
+    let text = String::from_utf8(json.stdout).unwrap();
+    assert!(text.contains(r#""id":"café""#) && text.contains(r#"["half","café.cal"]"#), "{text}");
 }
 
 #[test]

@@ -92,6 +92,45 @@ fn a_check_finds_every_problem_in_one_run() {
 }
 
 #[test]
+fn a_check_says_what_the_renderer_would_refuse_beside_all_else() {
+    let ball = |modifier: &str| format!("{modifier} sphere s 0 0 4 0 0 0 1\n");
+    let wrong = [
+        "void brightfunc q 2 (1+ . 0 0\nq plastic a 0 0 5 1 1 1 0 0\n",
+        "void colorfunc n 4 1 nowhere 1 . 0 0\nn texfunc f 4 0 0 g none.cal 0 0\nf plastic b 0 0 5 1 1 1 0 0\n",
+        "void colorpict p 7 red green blue none.hdr . Dx Dy 0 0\np metal c 0 0 5 1 1 1 0 0\n",
+        "void mixfunc m 4 a b x+ . 0 0\nvoid glow e 0 0 4 1 1 1 0\ne source sky 0 0 4 0 0 1 360\n",
+        &["a", "a", "b", "c", "m", "later"].map(ball).concat(),
+        "#@probe 0 0 e\n#@probe 0 0 nan e\n#@probe 0 0 0 sun\n#@probe 0 0 0 e\n",
+        // What nothing uses may be anything.
+        "void brightfunc unused 2 (1+ none.cal 0 0\n",
+    ]
+    .concat();
+    let (status, output, said) = rparse(Path::new("."), &["--check"], wrong.as_bytes());
+    assert_eq!((status, output.len()), (1, 0), "{said}");
+    let mut places: Vec<&str> = said.lines().filter_map(|l| l.strip_prefix("rparse: <stdin>:")?.split(": error:").next()).collect();
+    places.sort();
+    let wanted = ["16:1", "17:1", "18:1", "19:1", "1:24", "3:22", "4:21", "6:35", "8:24"];
+    assert_eq!(places, wanted, "{said}");
+    let (_, _, rendered) = rparse(Path::new("."), &["--check"], format!("void brightfunc q 2 (1+ . 0 0\n{}", ball("q")).as_bytes());
+    assert!(rendered.starts_with("rparse: <stdin>:1:24: error: "), "{rendered}");
+}
+
+#[test]
+fn an_octree_is_told_from_a_scene_file_and_a_command_that_was_typed_is_run() {
+    let directory = tempfile::tempdir().unwrap();
+    fs::write(directory.path().join("x.oct"), include_bytes!("import/plain.oct")).unwrap();
+    for mode in [&["x.oct"][..], &["--check", "x.oct"]] {
+        let (status, _, said) = rparse(directory.path(), mode, b"");
+        let wanted = "rparse: error: x.oct: this is an octree, not a scene file: rtrace-rs reads it; give rparse the scene files that it was made from\n";
+        assert_eq!((status, said.as_str()), (2, wanted));
+    }
+    let flat = b"void light l\n0\n0\n3 1 1 1\n\n";
+    let (status, output, said) = rparse(directory.path(), &["!echo void light l 0 0 3 1 1 1"], b"");
+    assert_eq!((status, output.as_slice(), said.as_str()), (0, &flat[..], ""));
+    assert_eq!(rparse(directory.path(), &["!exit 3"], b"").0, 2);
+}
+
+#[test]
 fn commands_run_only_when_allowed() {
     let directory = tempfile::tempdir().unwrap();
     let scene = b"!touch pwned\n!echo void plastic p 0 0 0\n";

@@ -63,7 +63,7 @@ pub struct Arguments {
 #[command(next_help_heading = "Photograph")]
 pub struct Photo {
     /// The scene without the unknown material, which START.rad holds; a definition of it here does not count. May be repeated
-    #[arg(long, value_name = "SCENE")]
+    #[arg(long, value_name = "SCENE", value_parser = super::name())]
     pub scene: Vec<String>,
 
     /// The view [default: the picture's own].

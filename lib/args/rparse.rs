@@ -12,8 +12,8 @@ use super::{Common, Scenes};
 #[derive(clap::Parser, Clone, Debug)]
 #[command(name = "rparse", version)]
 pub struct Args {
-    /// Scene descriptions, which follow each other; - is standard input
-    #[arg(value_name = "FILE", default_value = "-")]
+    /// Scene descriptions, which follow each other; - is standard input, !COMMAND is what a command prints
+    #[arg(value_name = "FILE", default_value = "-", value_parser = super::name())]
     pub files: Vec<String>,
 
     /// What to print.

@@ -21,8 +21,8 @@ use std::path::PathBuf;
 #[derive(clap::Parser, Clone, Debug)]
 #[command(name = "rtrace-rs", version, max_term_width = 100)]
 pub struct Arguments {
-    /// Scene files, or an octree; - is standard input
-    #[arg(value_name = "SCENE", required_unless_present_any = ["explain", "defaults", "features"])]
+    /// Scene files, or an octree; - is standard input, and so is none if there is a view
+    #[arg(value_name = "SCENE", value_parser = super::name())]
     pub scenes: Vec<String>,
 
     /// The view.
@@ -405,6 +405,13 @@ pub struct Tuning {
 impl AsRef<Common> for Arguments {
     fn as_ref(&self) -> &Common {
         &self.common
+    }
+}
+
+impl Arguments {
+    /// The files that are named; if there are none, standard input.
+    pub fn scenes(&self) -> Vec<String> {
+        if self.scenes.is_empty() { vec!["-".into()] } else { self.scenes.clone() }
     }
 }
 

@@ -2,7 +2,7 @@
 //! gate for commands.
 
 use super::Console;
-use super::stream::{all, file, plain};
+use super::stream::{all, file, native, plain};
 use crate::args::Commands;
 use crate::error::{Error, Result};
 use crate::resolve::Resolve;
@@ -85,9 +85,8 @@ impl Resolve for Disk<'_> {
             return self.counted(file(Path::new(&home).join(rest.trim_start_matches('/'))));
         }
         // As in RADIANCE, an empty entry is the current directory, and what cannot be opened in one place is looked for in the next.
-        if let Some(found) =
-            self.raypath.iter().map(|directory| directory.join(name)).find(|path| path.is_file() && std::fs::File::open(path).is_ok())
-        {
+        let mut places = self.raypath.iter().map(|directory| directory.join(native(name)));
+        if let Some(found) = places.find(|path| path.is_file() && std::fs::File::open(path).is_ok()) {
             return self.counted(file(found));
         }
         if let Some(text) = (self.shipped)(name) {
@@ -111,7 +110,8 @@ impl Resolve for Disk<'_> {
             return Err(Error::new(format!("command not run: {command}; more than {MAX_COMMANDS} commands (does one print itself?)")));
         }
         let failed = |e: std::io::Error| Error::new(format!("command {command}: {}", plain(&e)));
-        let mut child = Command::new("sh").arg("-c").arg(command).stdin(Stdio::null()).stdout(Stdio::piped()).spawn().map_err(failed)?;
+        let mut child =
+            Command::new("sh").arg("-c").arg(native(command)).stdin(Stdio::null()).stdout(Stdio::piped()).spawn().map_err(failed)?;
         let output = child.stdout.take().map_or_else(|| Ok(Vec::new()), |stdout| all(stdout, &format!("output of {command}")));
         // A child that printed too much waits for a reader for ever.
         if output.is_err() {

@@ -68,7 +68,8 @@ pub fn finish(arguments: &Arguments, size: (usize, usize), mut header: Header, r
 /// Joins the parts that are named, and writes the whole.
 pub fn merge(arguments: &Arguments) -> Outcome<()> {
     let input = Input::default();
-    let parts = arguments.scenes.iter().map(|name| {
+    let named = arguments.scenes();
+    let parts = named.iter().map(|name| {
         let (name, bytes) = input.read(name)?;
         let planes = Planes::read(&bytes, &name)?;
         Ok((name, planes))

@@ -1,7 +1,7 @@
 //! Scenes and views as they are named on a command line.
 
 use super::Input;
-use super::stream::{file, plain};
+use super::stream::{file, native, plain};
 use crate::args::{Commands, Scenes, ViewWords};
 use crate::error::{Error, Result};
 use crate::expand::{Flat, expand, refuse_commands};
@@ -11,15 +11,20 @@ use crate::resolve::Resolve;
 use crate::view::View;
 use std::process::{Command, Stdio};
 
-/// The documents of scene files and octrees. A name that begins with `!` is a command that prints one; it was typed, so it may run.
+/// The name and the bytes of a scene file or octree. A name that begins with `!` is a command that prints one; it was typed, so it may run.
+pub fn typed(input: &Input, name: &str) -> Result<(String, Vec<u8>)> {
+    match name.strip_prefix('!') {
+        Some(command) => Ok((name.into(), output(command)?)),
+        None => input.read(name),
+    }
+}
+
+/// The documents of scene files and octrees.
 pub fn documents(names: &[String], resolve: &dyn Resolve) -> Result<Vec<Document>> {
     let input = Input::default();
     let mut documents = Vec::new();
     for name in names {
-        let (name, bytes) = match name.strip_prefix('!') {
-            Some(command) => (name.clone(), output(command)?),
-            None => input.read(name)?,
-        };
+        let (name, bytes) = typed(&input, name)?;
         if !is_octree(&bytes) {
             documents.push(Document::read(&name, bytes)?);
             continue;
@@ -45,7 +50,8 @@ pub fn flat_of(documents: Vec<Document>, options: &Scenes, resolve: &dyn Resolve
 /// What a command prints.
 fn output(command: &str) -> Result<Vec<u8>> {
     let failed = |e: std::io::Error| Error::new(format!("command {command}: {}", plain(&e)));
-    let output = Command::new("sh").arg("-c").arg(command).stdin(Stdio::null()).stderr(Stdio::inherit()).output().map_err(failed)?;
+    let output =
+        Command::new("sh").arg("-c").arg(native(command)).stdin(Stdio::null()).stderr(Stdio::inherit()).output().map_err(failed)?;
     match output.status.success() {
         true => Ok(output.stdout),
         false => Err(Error::new(format!("command {command}: {}", output.status))),

@@ -2,7 +2,8 @@
 
 use super::{Outcome, Stop, signal};
 use crate::error::{Error, Result};
-use std::ffi::OsStr;
+use crate::rad::encode;
+use std::ffi::{OsStr, OsString};
 use std::fs::File;
 use std::io::{self, BufWriter, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
@@ -32,11 +33,20 @@ impl Input {
     }
 }
 
+/// A name or a command as the operating system knows it: the bytes that were written, whatever their encoding.
+pub fn native(text: &str) -> OsString {
+    #[cfg(unix)]
+    return std::os::unix::ffi::OsStringExt::from_vec(encode(text));
+    #[cfg(not(unix))]
+    return text.into();
+}
+
 /// All bytes of a file.
 pub fn file(name: impl AsRef<Path>) -> Result<Vec<u8>> {
     let name = name.as_ref();
     let shown = name.display().to_string();
-    all(File::open(name).map_err(|e| Error::new(format!("{shown}: {}", plain(&e))))?, &shown)
+    let path = name.to_str().map_or_else(|| name.to_path_buf(), |text| native(text).into());
+    all(File::open(path).map_err(|e| Error::new(format!("{shown}: {}", plain(&e))))?, &shown)
 }
 
 /// All bytes of a stream, up to the limit.

@@ -30,6 +30,11 @@ pub fn encode(text: &str) -> Vec<u8> {
     bytes
 }
 
+/// The text for a reader who wants UTF-8 alone: bytes that are none are taken for Latin-1.
+pub fn readable(text: &str) -> String {
+    text.chars().map(|c| stray(c).map_or(c, char::from)).collect()
+}
+
 /// How many bytes the character stands for.
 pub fn width(c: char) -> usize {
     if stray(c).is_some() { 1 } else { c.len_utf8() }
@@ -64,6 +69,11 @@ mod tests {
         fn any_bytes_survive(bytes: Vec<u8>) {
             prop_assert_eq!(encode(&decode(bytes.clone())), bytes);
         }
+    }
+
+    #[test]
+    fn what_is_no_utf_8_reads_as_latin_1() {
+        assert_eq!(readable(&decode(b"caf\xe9 \xc3\xa9".to_vec())), "café é");
     }
 
     #[test]

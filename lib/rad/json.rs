@@ -1,6 +1,7 @@
 //! Primitives as JSON, one object a line.
 
 use super::Primitive;
+use super::bytes::readable;
 use serde::Serialize;
 
 #[derive(Serialize)]
@@ -21,7 +22,7 @@ pub fn json(p: &Primitive) -> String {
     let Primitive { modifier, kind, name, strings, reals, .. } = p;
     let (line, _) = p.span.line_column();
     let object = Object { file: &p.span.source.name, line, modifier, kind, id: name, sargs: strings, iargs: [], fargs: reals };
-    serde_json::to_string(&object).unwrap_or_default()
+    readable(&serde_json::to_string(&object).unwrap_or_default())
 }
 
 #[cfg(test)]

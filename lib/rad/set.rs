@@ -14,6 +14,10 @@ pub fn set(documents: &mut [Document], setting: &str) -> Result<()> {
     let found = documents.iter_mut().rev().find(|d| d.primitives().any(|p| is_modifier_named(p, name)));
     let document = found.ok_or_else(|| nothing_called(name))?;
     let primitives: Vec<&Primitive> = document.primitives().filter(|p| is_modifier_named(p, name)).collect();
+    if let Some(alias) = primitives.last().filter(|p| p.kind == "alias") {
+        let target = alias.strings.first().map_or("", String::as_str);
+        return Err(alias.name_error(format!("`{name}` is an alias and has no numbers of its own; set `{target}:{parameter}={value}`")));
+    }
     let Some(known) = primitives.last().and_then(|p| p.type_of()) else { return Err(form()) };
     let index = known.parameter(parameter).ok_or_else(|| {
         let names = if known.parameters.is_empty() { "a1, a2…".into() } else { known.parameters.join(", ") };
@@ -100,6 +104,9 @@ mod tests {
             documents[0].bytes(),
             text.replace(".5\n", "0.25\n").replace("metal p 0 0 5 1 1 1 0", "metal p 0 0 5 1 1 1 0.001").as_bytes()
         );
+        let mut alias = [Document::parse(Source::new("t.rad", "void metal m 0 0 5 1 1 1 0 0 void alias al m")).unwrap()];
+        let said = set(&mut alias, "al:rough=1").unwrap_err().to_string();
+        assert!(said.starts_with("t.rad:1:41: error: `al` is an alias and has no numbers of its own; set `m:rough=1`"), "{said}");
         for wrong in ["p", "p:rough", "p:rough=x", "q:rough=1", "p:ior=1", "p:a6=1", "p:a0=1"] {
             assert!(set(&mut documents, wrong).is_err(), "{wrong}");
         }

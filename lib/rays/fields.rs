@@ -5,6 +5,7 @@ use crate::color::{Rgb, WHITE_EFFICACY};
 use crate::error::{Error, Result};
 use crate::expand::printf;
 use crate::picture::{hdr, rgb_to_xyz};
+use crate::rad::encode;
 use crate::vector::Vec3;
 use std::collections::HashSet;
 
@@ -253,7 +254,7 @@ impl Writer {
 
     /// A name.
     pub fn name(&mut self, name: &str) {
-        self.bytes.extend_from_slice(name.as_bytes());
+        self.bytes.extend_from_slice(&encode(name));
         self.bytes.push(b'\t');
     }
 

@@ -22,6 +22,7 @@ const DEPTH_LIMIT: usize = 32;
 const WEIGHT_LIMIT: usize = 1000;
 
 /// Why something could not be resolved.
+#[derive(Clone)]
 pub(super) enum Unresolved {
     /// RADIANCE can render it, this program cannot.
     Unsupported(Error),
@@ -66,12 +67,15 @@ type Model = (Arc<Mesh>, Vec<ChainId>);
 /// A scene in the making.
 pub(super) struct Builder<'a> {
     pub scene: Scene,
+    /// What else is wrong with chains of modifiers, beside the error that resolving them came to.
+    pub further: Vec<Error>,
     resolve: &'a dyn Resolve,
     skip_unsupported: bool,
     sources: Sources<'a>,
     definitions: Vec<Definition>,
     names: Names,
-    chains: HashMap<Option<DefinitionId>, ChainId>,
+    /// What each modifier was resolved to, or why it was not.
+    chains: HashMap<Option<DefinitionId>, Resolved<ChainId>>,
     /// For each chain of the scene, how many patterns, textures and mixtures it leads through.
     weights: Vec<usize>,
     materials: HashMap<*const Primitive, MaterialId>,
@@ -88,6 +92,7 @@ impl<'a> Builder<'a> {
     pub fn new(resolve: &'a dyn Resolve, skip_unsupported: bool) -> Self {
         Self {
             scene: Scene::default(),
+            further: Vec::new(),
             resolve,
             skip_unsupported,
             sources: Sources::new(resolve),
@@ -110,7 +115,7 @@ impl<'a> Builder<'a> {
     }
 
     /// Turns what cannot be rendered into a warning, if that was asked for.
-    pub fn forgive(&mut self, added: Resolved<()>) -> Result<()> {
+    fn forgive(&mut self, added: Resolved<()>) -> Result<()> {
         match added {
             Err(Unresolved::Unsupported(error)) if self.skip_unsupported => {
                 self.scene.warnings.push(format!("left out: {}", error.remark()));
@@ -138,27 +143,55 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Takes a modifier in. An alias stands for what it names, or for that with another modifier (semantics 1.4).
+    /// Takes a modifier in. Even one that is wrong is known by its name from then on, so that its users are not wrong too.
     pub fn define(&mut self, primitive: &Primitive) -> Result<()> {
-        let order = self.definitions.len() as u32;
-        let definition = if primitive.kind == "alias" {
-            let target = primitive.strings.first().map_or("", String::as_str);
-            let Some(found) = self.find(target, self.definitions.len()) else {
-                return Err(primitive.string_error(0, format!("no modifier `{target}` is defined before this alias")));
-            };
-            let named = self.definitions[found].clone();
-            let behind = if primitive.modifier == "inherit" { named.behind } else { self.modifier(primitive)? };
-            Definition { name: primitive.name.clone(), behind, ..named }
-        } else {
-            Definition { name: primitive.name.clone(), primitive: Rc::new(primitive.clone()), behind: self.modifier(primitive)?, order }
+        let name = || primitive.name.clone();
+        let (definition, wrong) = match self.definition(primitive) {
+            Ok(definition) => (Definition { name: name(), ..definition }, Ok(())),
+            Err(error) => (self.written(primitive, None), Err(error)),
         };
-        self.names.entry(primitive.name.clone()).or_default().push(self.definitions.len());
+        self.names.entry(name()).or_default().push(self.definitions.len());
         self.definitions.push(definition);
-        Ok(())
+        wrong
+    }
+
+    /// What a modifier is. An alias stands for what it names, or for that with another modifier (semantics 1.4).
+    fn definition(&self, primitive: &Primitive) -> Result<Definition> {
+        if primitive.kind != "alias" {
+            return Ok(self.written(primitive, self.modifier(primitive)?));
+        }
+        let target = primitive.strings.first().map_or("", String::as_str);
+        let Some(found) = self.find(target, self.definitions.len()) else {
+            return Err(primitive.string_error(0, format!("no modifier `{target}` is defined before this alias")));
+        };
+        let named = self.definitions[found].clone();
+        let behind = if primitive.modifier == "inherit" { named.behind } else { self.modifier(primitive)? };
+        Ok(Definition { behind, ..named })
+    }
+
+    /// The next definition, as it is written, with this behind it.
+    fn written(&self, primitive: &Primitive, behind: Option<DefinitionId>) -> Definition {
+        let order = self.definitions.len() as u32;
+        Definition { name: primitive.name.clone(), primitive: Rc::new(primitive.clone()), behind, order }
+    }
+
+    /// Takes a primitive in; what it gives if it is a surface.
+    pub fn add(&mut self, primitive: &Primitive) -> Result<Option<Surface>> {
+        let Some(class) = primitive.type_of().map(|t| t.class) else {
+            return Err(primitive.error(format!("{} is not a type of RADIANCE's", primitive.kind)));
+        };
+        let mut surface = None;
+        let added = match (class, primitive.kind.as_str()) {
+            (Class::Surface, "source") => self.source(primitive),
+            (Class::Surface, _) => self.surface(primitive).map(|found| surface = found),
+            _ => self.define(primitive).map_err(Unresolved::Wrong),
+        };
+        self.forgive(added)?;
+        Ok(surface)
     }
 
     /// Takes a distant source in.
-    pub fn source(&mut self, primitive: &Primitive) -> Resolved<()> {
+    fn source(&mut self, primitive: &Primitive) -> Resolved<()> {
         let modifier = self.modifier(primitive)?;
         let chain = self.chain(modifier)?;
         let [x, y, z, angle] = primitive.reals[..] else { return Err(primitive.error("a source needs 4 real arguments").into()) };
@@ -180,7 +213,7 @@ impl<'a> Builder<'a> {
     }
 
     /// The surface that a primitive describes; `None` if it is none, as a ring without width.
-    pub fn surface(&mut self, primitive: &Primitive) -> Resolved<Option<Surface>> {
+    fn surface(&mut self, primitive: &Primitive) -> Resolved<Option<Surface>> {
         let modifier = self.modifier(primitive)?;
         let own = match modifier {
             Some(_) => Some(self.chain(modifier)?),
@@ -208,8 +241,8 @@ impl<'a> Builder<'a> {
 
     /// The resolved form of a modifier and all behind it.
     fn chain(&mut self, modifier: Option<DefinitionId>) -> Resolved<ChainId> {
-        if let Some(&known) = self.chains.get(&modifier) {
-            return Ok(known);
+        if let Some(known) = self.chains.get(&modifier) {
+            return known.clone();
         }
         if let Some(id) = modifier.filter(|_| self.depth == DEPTH_LIMIT) {
             let message = format!("modifiers name each other as arguments more than {DEPTH_LIMIT} deep");
@@ -218,6 +251,7 @@ impl<'a> Builder<'a> {
         self.depth += 1;
         let built = self.new_chain(modifier);
         self.depth -= 1;
+        self.chains.insert(modifier, built.clone());
         built
     }
 
@@ -226,40 +260,59 @@ impl<'a> Builder<'a> {
         if let Some(id) = modifier {
             (chain.name, chain.order) = (self.definitions[id].name.clone(), id as u32);
         }
-        let (mut at, mut weight) = (modifier, 0);
+        let (mut at, mut weight, mut wrong) = (modifier, 0, None);
         while let Some(id) = at {
-            let Definition { primitive, behind, order, .. } = self.definitions[id].clone();
-            at = behind;
-            match primitive.type_of().map(|t| t.class) {
-                Some(Class::Pattern | Class::Texture) => {
-                    chain.links.push(self.link(&primitive)?);
-                    weight += 1;
-                }
-                Some(Class::Mixture) => weight += self.mixture(&mut chain, &primitive, behind, order)?,
-                _ => match chain.end {
-                    End::Void => {
-                        chain.before = chain.links.len();
-                        chain.end = End::Material(self.material(&primitive, order)?);
-                    }
-                    _ => return Err(conflict(&primitive).into()),
-                },
-            }
+            let definition = self.definitions[id].clone();
+            at = definition.behind;
+            let joined = self.join(&mut chain, &definition);
+            weight += self.first(&mut wrong, joined).unwrap_or(0);
             if weight > WEIGHT_LIMIT {
-                return Err(primitive.error(format!("more than {WEIGHT_LIMIT} patterns, textures and mixtures in one chain")).into());
+                let message = format!("more than {WEIGHT_LIMIT} patterns, textures and mixtures in one chain");
+                return Err(definition.primitive.error(message).into());
             }
         }
+        wrong.map_or(Ok(()), Err)?;
         self.scene.chains.push(chain);
         self.weights.push(weight);
-        self.chains.insert(modifier, self.scene.chains.len() - 1);
         Ok(self.scene.chains.len() - 1)
+    }
+
+    /// What was found; if it is wrong, the first such error is kept there, and others are noted.
+    fn first<T>(&mut self, wrong: &mut Option<Unresolved>, found: Resolved<T>) -> Option<T> {
+        match (found, &wrong) {
+            (Ok(value), _) => return Some(value),
+            (Err(error), None) => *wrong = Some(error),
+            (Err(Unresolved::Wrong(error)), _) => self.further.push(error),
+            _ => {}
+        }
+        None
+    }
+
+    /// Adds a modifier to a chain, and tells through how many patterns, textures and mixtures it leads.
+    fn join(&mut self, chain: &mut Chain, definition: &Definition) -> Resolved<usize> {
+        let Definition { primitive, behind, order, .. } = definition;
+        match primitive.type_of().map(|t| t.class) {
+            Some(Class::Pattern | Class::Texture) => {
+                chain.links.push(self.link(primitive)?);
+                Ok(1)
+            }
+            Some(Class::Mixture) => self.mixture(chain, primitive, *behind, *order),
+            _ if matches!(chain.end, End::Void) => {
+                chain.before = chain.links.len();
+                chain.end = End::Material(self.material(primitive, *order)?);
+                Ok(0)
+            }
+            _ => Err(conflict(primitive).into()),
+        }
     }
 
     /// Adds a mixture to a chain, of materials as its end, of patterns and textures as a link; and tells through how many of them it leads.
     fn mixture(&mut self, chain: &mut Chain, primitive: &Rc<Primitive>, behind: Option<DefinitionId>, order: u32) -> Resolved<usize> {
         let coefficient = Mixture::compile(primitive, &mut self.sources)?.ok_or_else(|| Unresolved::Unsupported(unsupported(primitive)))?;
-        // If one side is wrong the other one is not looked at: looking at both, all the way down, would take too long.
-        let sides = self.side(primitive, 0, order).and_then(|fore| Ok((fore, self.side(primitive, 1, order)?)));
-        let (fore, back) = sides?;
+        let (mut wrong, [fore, back]) = (None, [0, 1].map(|string| self.side(primitive, string, order)));
+        let (fore, back) = (self.first(&mut wrong, fore), self.first(&mut wrong, back));
+        wrong.map_or(Ok(()), Err)?;
+        let [Some(fore), Some(back)] = [fore, back] else { return Err(conflict(primitive).into()) };
         let weight = 1 + self.weights[fore] + self.weights[back];
         let [a, b] = [fore, back].map(|side| &self.scene.chains[side]);
         if let (End::Void, End::Void) = (&a.end, &b.end) {
@@ -360,7 +413,7 @@ impl<'a> Builder<'a> {
             return Ok(known.clone());
         }
         let (name, bytes) = self.file(primitive)?;
-        let file = import::mesh(bytes, &name)?;
+        let file = import::mesh(bytes, &name).map_err(|e| at_name(primitive, e))?;
         let first = self.definitions.len();
         let outer = std::mem::take(&mut self.names);
         let defined = file.scene.primitives().try_for_each(|p| self.define(p));
@@ -401,8 +454,8 @@ impl<'a> Builder<'a> {
         if self.within.len() == LEVELS {
             return Err(primitive.string_error(0, format!("instances stand more than {LEVELS} deep within each other")).into());
         }
-        let documents = import::octree(&bytes, &name)?.documents(&name, self.resolve)?;
-        let flat = expand(documents, self.resolve)?;
+        let documents = import::octree(&bytes, &name).and_then(|octree| octree.documents(&name, self.resolve));
+        let flat = documents.and_then(|documents| expand(documents, self.resolve)).map_err(|e| at_name(primitive, e))?;
         self.within.push(name.clone());
         let outer = std::mem::take(&mut self.names);
         let surfaces = self.surfaces(&flat.primitives);
@@ -445,6 +498,11 @@ impl<'a> Builder<'a> {
         self.scene.probes.push((place, chain));
         Ok(())
     }
+}
+
+/// What is wrong with the file that a primitive names, where that has no place in a text of its own.
+fn at_name(primitive: &Primitive, error: Error) -> Error {
+    if error.place.is_some() { error } else { primitive.string_error(0, error.message) }
 }
 
 /// Two materials in one chain.

@@ -22,8 +22,8 @@ pub(super) const ENVIRONMENT_ROWS: usize = 256;
 /// The most lamps, those seen in mirrors included.
 const LAMP_LIMIT: usize = 100_000;
 
-/// The surfaces of octrees that were built already.
-type Groups = HashMap<*const Vec<scene::Surface>, (Arc<Accel>, Arc<Vec<Surface>>)>;
+/// The surfaces of octrees that were built already, with and without a modifier for all that is in them.
+type Groups = HashMap<(*const Vec<scene::Surface>, bool), (Arc<Accel>, Arc<Vec<Surface>>)>;
 
 /// A flat mirror.
 struct Mirror {
@@ -75,7 +75,7 @@ impl World {
         }
         let (mut groups, mut bodies, mut relays) = (Groups::new(), Vec::new(), Vec::new());
         for surface in &surfaces {
-            let Some((body, mut built)) = world.surface(surface, &mut groups)? else { continue };
+            let Some((body, mut built)) = world.surface(surface, false, &mut groups)? else { continue };
             if let Form::Shape(shape) = &surface.form {
                 let form = || Ok((light::Form::of(shape.clone()), shape.light()?));
                 let form = || form().map_err(|e: &str| Error::new(format!("{}: {e}", surface.name)));
@@ -110,15 +110,23 @@ impl World {
         Ok(world)
     }
 
-    /// A surface, for the hierarchy and for what is hit; `None` if nothing of it is visible.
-    fn surface(&mut self, surface: &scene::Surface, groups: &mut Groups) -> Result<Option<(accel::Surface, Surface)>> {
+    /// A surface, for the hierarchy and for what is hit; `None` if nothing of it is visible. The modifier of an instance around it, if there
+    /// is one, stands for its own: then it is `covered`, and there even if that is void.
+    fn surface(&mut self, surface: &scene::Surface, covered: bool, groups: &mut Groups) -> Result<Option<(accel::Surface, Surface)>> {
         let chains = &surface.chains;
-        if !chains.is_empty() && chains.iter().all(|&c| self.is_void(c)) {
-            return Ok(None);
+        if !covered {
+            if !chains.is_empty() && chains.iter().all(|&c| self.is_void(c)) {
+                return Ok(None);
+            }
+            self.transparent |= chains.iter().any(|&c| self.passes(c));
+            // What an octree holds may be a smooth mesh.
+            let smooth = match &surface.form {
+                Form::Shape(_) => false,
+                Form::Mesh(mesh, _) => !mesh.normals.is_empty(),
+                Form::Group(..) => true,
+            };
+            self.bends |= chains.iter().any(|&c| !self.chains[c].smooths() && self.bends_passing(c, smooth));
         }
-        self.transparent |= chains.iter().any(|&c| self.passes(c));
-        let smooth = matches!(&surface.form, Form::Mesh(mesh, _) if !mesh.normals.is_empty());
-        self.bends |= chains.iter().any(|&c| !self.chains[c].smooths() && self.bends_passing(c, smooth));
         let ranks = chains.iter().map(|&c| self.rank(c)).collect();
         let (geometry, body) = match &surface.form {
             Form::Shape(shape) => (Geometry::Shape(shape.clone()), Body::Shape(shape.flat())),
@@ -126,18 +134,20 @@ impl World {
                 (Geometry::Mesh(mesh.clone(), transform.affine), Body::Mesh(mesh.clone(), *transform, surface.modifier != super::VOID))
             }
             Form::Group(inside, transform) => {
-                let (accel, surfaces) = match groups.get(&Arc::as_ptr(inside)) {
+                let covered = covered || !chains.is_empty();
+                let key = (Arc::as_ptr(inside), covered);
+                let (accel, surfaces) = match groups.get(&key) {
                     Some(known) => known.clone(),
                     None => {
                         let (mut bodies, mut surfaces) = (Vec::new(), Vec::new());
                         for surface in inside.iter() {
-                            if let Some((body, surface)) = self.surface(surface, groups)? {
+                            if let Some((body, surface)) = self.surface(surface, covered, groups)? {
                                 bodies.push(body);
                                 surfaces.push(surface);
                             }
                         }
                         let built = (Arc::new(Accel::build(bodies)?), Arc::new(surfaces));
-                        groups.insert(Arc::as_ptr(inside), built.clone());
+                        groups.insert(key, built.clone());
                         built
                     }
                 };

@@ -6,6 +6,7 @@ use inverad::check::check;
 use inverad::cli::{self, Answer, Console, Disk, Input, Outcome, Output};
 use inverad::error::{Error, Source};
 use inverad::expand::{Flat, expand, expand_all_errors, refuse_commands};
+use inverad::import::is_octree;
 use inverad::inventory::Inventory;
 use inverad::rad::{self, Document, Links, Type};
 use inverad::{cal, resolve::Resolve};
@@ -23,7 +24,11 @@ fn run(args: Args, console: &Console) -> Outcome<Answer> {
     let input = Input::default();
     let mut sources = Vec::new();
     for name in &args.files {
-        let (name, bytes) = input.read(name)?;
+        let (name, bytes) = cli::typed(&input, name)?;
+        if is_octree(&bytes) {
+            let remedy = "rtrace-rs reads it; give rparse the scene files that it was made from";
+            return Err(Error::new(format!("{name}: this is an octree, not a scene file: {remedy}")).into());
+        }
         sources.push(Source::new(name, rad::decode(bytes)));
     }
     let disk = Disk::new(args.scenes.commands, cal::shipped, console);

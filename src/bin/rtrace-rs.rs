@@ -44,7 +44,7 @@ fn run(args: Arguments, console: &Console) -> Outcome<Answer> {
 
 /// The world of the scene that was named.
 fn world(args: &Arguments, rules: &Rules, disk: &Disk, console: &Console) -> Outcome<World> {
-    let flat = cli::flat(&args.scenes, &args.scene_options, disk)?;
+    let flat = cli::flat(&args.scenes(), &args.scene_options, disk)?;
     let mut definitions: Vec<Arc<Source>> = args.definitions.iter().map(|text| Source::new("-e", text.as_str())).collect();
     for name in &args.function_files {
         definitions.push(Source::new(name.as_str(), String::from_utf8_lossy(&disk.library(name)?)));
@@ -62,7 +62,7 @@ fn rays(args: &Arguments, rules: &Rules, disk: &Disk, list: &dyn Fn(&str) -> Res
     if args.accuracy.samples.is_some() {
         return Err(Error::new("--samples is for pictures: give a view (-vf FILE, -vp …)").into());
     }
-    if args.scenes.iter().any(|name| name == "-") {
+    if args.scenes().iter().any(|name| name == "-") {
         return Err(Error::new("standard input holds the rays; name the files of the scene, or give a view (-vf FILE, -vp …)").into());
     }
     let format = Format::of(options.format.as_deref().unwrap_or("a"))?;

@@ -1,7 +1,7 @@
 //! Broken bytes: pictures, OpenEXR files, meshes and octrees, states of a search.
 
 use super::harness::{Case, Content};
-use super::texts::{SCENE, nonsense, unread, unread_in, used_as};
+use super::texts::{SCENE, nonsense, refused_as, unread, unread_in, used_as};
 use inverad::picture::{Header, Picture};
 
 const RTM: &[u8] = include_bytes!("../import/sheet.rtm");
@@ -91,7 +91,7 @@ pub fn pictures() -> Vec<Case> {
     for (label, content) in &broken {
         let case = |line: &str| Case::new(label.as_str(), line, "bad").with("good", &good[..]).with("bad", content.clone());
         cases.extend([case("imgdiff bad good"), case("imgdiff good bad"), case("imgdiff --mask bad good good")]);
-        cases.push(used_as("hdr", label, content.clone(), "bad"));
+        cases.extend(refused_as("hdr", label, content.clone(), "bad"));
         if let Content::Bytes(bytes) = content {
             cases.push(Case::new(label.as_str(), "imgdiff good", "<stdin>").with("good", &good[..]).reading(bytes));
         }
@@ -168,8 +168,8 @@ pub fn meshes() -> Vec<Case> {
         ("a patch of too many vertices", last_patch(1, 0x7f)),
         ("a patch of negative vertices", last_patch(1, 0xff)),
     ]));
-    let mut cases: Vec<Case> = broken.iter().map(|(label, content)| used_as("mesh", label, content.clone(), "bad")).collect();
-    // The same through --check, which looks at the header only; here the file is none at all.
+    let mut cases: Vec<Case> = broken.iter().flat_map(|(label, content)| refused_as("mesh", label, content.clone(), "bad")).collect();
+    // What --check says of a file that is none at all.
     for (label, content) in nonsense().into_iter().filter(|(label, _)| !label.contains("signature")) {
         let main = Case::new(label, "rparse --check main.rad", "bad").with("bad", content).ending(1);
         cases.push(main.with("main.rad", format!("{SCENE}m instance b 1 ./bad 0 0\n").as_str()));
@@ -200,7 +200,7 @@ pub fn octrees() -> Vec<Case> {
         ("scene files that are not there", Content::from(PLAIN)),
     ]));
     let place = |label: &str| if label.starts_with("scene files") { "scene.rad" } else { "bad" };
-    broken.iter().map(|(label, content)| used_as("instance", label, content.clone(), place(label))).collect()
+    broken.iter().flat_map(|(label, content)| refused_as("instance", label, content.clone(), place(label))).collect()
 }
 
 /// What `anneal propose` keeps of a search.

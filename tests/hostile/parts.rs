@@ -110,11 +110,14 @@ pub fn rays() -> Vec<Case> {
 pub fn probes() -> Vec<Case> {
     let glow = "void glow e 0 0 4 1 1 1 0\ne source sky 0 0 4 0 0 1 360\n";
     ["", "0", "0 0 0", "0 0 0 e e", "x 0 0 e", "0 0 nan e", "0 0 inf e", "0 0 1e999 e", "0 0 0 none", "0 0 0 m", "0,0,0 e", "0 0 0 void"]
-        .map(|words| {
-            Case::new(format!("#@probe {words}"), &format!("{SEE} bad"), "bad:12:1")
-                .with("bad", format!("{SCENE}{glow}#@probe {words}\n").as_str())
+        .into_iter()
+        .flat_map(|words| {
+            [(SEE, 2), ("rparse --check", 1)].map(|(line, status)| {
+                let case = Case::new(format!("#@probe {words}"), &format!("{line} bad"), "bad:12:1").ending(status);
+                case.with("bad", format!("{SCENE}{glow}#@probe {words}\n").as_str())
+            })
         })
-        .into()
+        .collect()
 }
 
 pub fn options() -> Vec<Case> {

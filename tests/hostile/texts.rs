@@ -15,8 +15,6 @@ enum By {
     All,
     /// `rparse --check` and the renderer.
     Check,
-    /// The renderer, which reads what surfaces use.
-    Render,
 }
 
 /// What no kind of input may be.
@@ -44,7 +42,7 @@ pub fn unreadable() -> Vec<(&'static str, Option<Content>)> {
 }
 
 pub fn scenes() -> Vec<Case> {
-    use By::{All, Check, Render};
+    use By::{All, Check};
     let m = "void plastic m 0 0 5 .5 .5 .5 0 0\n";
     let with = |text: &str| format!("{m}{text}\n");
     let rows: Vec<(&str, String, &str, By)> = vec![
@@ -87,32 +85,27 @@ pub fn scenes() -> Vec<Case> {
         ("an instance that is not there", with("m instance s 1 none.oct 0 0"), "none.oct", Check),
         ("a transform that is none", with("m mesh s 3 none.rtm -q 1 0 0"), "bad:2:", Check),
         ("a plastic with four numbers", "void plastic m 0 0 4 1 1 1 0\nm sphere s 0 0 4 0 0 0 1\n".into(), "bad:1:", Check),
-        ("a picture that is not there", colorpict("none.hdr"), "none.hdr", Render),
-        ("a function file that is not there", brightfunc("f", "none.cal"), "none.cal", Render),
-        ("an expression without an end", brightfunc("(1+", "."), "bad:1:", Render),
-        ("a function that is not there", brightfunc("nowhere(1)", "."), "bad:1:", Render),
-        ("a number of nothing", brightfunc("1e999", "."), "bad:1:", Render),
-        ("an expression of brackets", brightfunc(&"(".repeat(500), "."), "bad:1:", Render),
-        ("an expression of signs", brightfunc(&"-".repeat(500), "."), "bad:1:", Render),
-        ("a data file that is not there", brightdata("none.dat"), "none.dat", Render),
+        ("a picture that is not there", colorpict("none.hdr"), "none.hdr", Check),
+        ("a function file that is not there", brightfunc("f", "none.cal"), "none.cal", Check),
+        ("an expression without an end", brightfunc("(1+", "."), "bad:1:", Check),
+        ("a function that is not there", brightfunc("nowhere(1)", "."), "bad:1:", Check),
+        ("a number of nothing", brightfunc("1e999", "."), "bad:1:", Check),
+        ("an expression of brackets", brightfunc(&"(".repeat(500), "."), "bad:1:", Check),
+        ("an expression of signs", brightfunc(&"-".repeat(500), "."), "bad:1:", Check),
+        ("a data file that is not there", brightdata("none.dat"), "none.dat", Check),
         ("a program", format!("!rm -rf /no/such/place\n{SCENE}"), "bad:1:", All),
         ("a program after a pipe", format!("!echo x | sh -c 'id'\n{SCENE}"), "bad:1:", All),
         ("a file that includes itself", format!("{SCENE}!cat bad\n"), "bad:", All),
         ("a file that transforms itself", format!("{SCENE}!xform -t 1 0 0 bad\n"), "bad:", All),
         ("a bomb of copies", format!("{SCENE}!echo '!echo !xform -a 1000 x' | xform -a 1000\n"), "!echo", All),
     ];
-    let rows: Vec<_> = rows.into_iter().chain(bombs().into_iter().map(|(label, text)| (label, text, "bad:", Render))).collect();
+    let rows: Vec<_> = rows.into_iter().chain(bombs().into_iter().map(|(label, text)| (label, text, "bad:", Check))).collect();
     let mut cases = Vec::new();
     for (label, text, place, by) in &rows {
-        let all = [("rparse", 2, All), ("rparse --check", 1, Check), (SEE, 2, Render), ("anneal --exec echo~1", 2, All)];
+        let all = [("rparse", 2, All), ("rparse --check", 1, Check), (SEE, 2, Check), ("anneal --exec echo~1", 2, All)];
         for (line, status, reader) in all {
-            let refuses = match by {
-                All => true,
-                Check => reader != All,
-                Render => reader == Render,
-            };
             // anneal reads its start alone: commands in it are not its business.
-            if refuses && !(line.starts_with("anneal") && text.contains('!')) {
+            if (*by == All || reader == Check) && !(line.starts_with("anneal") && text.contains('!')) {
                 cases.push(Case::new(*label, &format!("{line} bad"), *place).with("bad", text.as_str()).ending(status));
             }
         }
@@ -206,6 +199,13 @@ pub fn used_as(kind: &str, label: &str, content: impl Into<Content>, place: &str
     Case::new(label, &format!("{SEE} main.rad"), place).with("main.rad", scene_of(kind).as_str()).with("bad", content)
 }
 
+/// The same, rendered and checked.
+pub fn refused_as(kind: &str, label: &str, content: impl Into<Content>, place: &str) -> [Case; 2] {
+    let rendered = used_as(kind, label, content, place);
+    let checked = Case { words: ["rparse", "--check", "main.rad"].map(String::from).into(), ..rendered.clone() };
+    [rendered, checked.ending(1)]
+}
+
 /// What these programs accept.
 pub fn whole() -> Vec<Case> {
     vec![
@@ -251,11 +251,11 @@ pub fn functions() -> Vec<Case> {
         ("an argument that is not there", "f = A(99);".into()),
         ("a name without an end", format!("f = {};", "x".repeat(200_000))),
     ];
-    let mut cases: Vec<Case> = rows.iter().map(|(label, text)| used_as("cal", label, text.as_str(), "bad")).collect();
+    let mut cases: Vec<Case> = rows.iter().flat_map(|(label, text)| refused_as("cal", label, text.as_str(), "bad")).collect();
     // What is missing is missed by the scene.
     let place = |label: &str| if label == "empty" { "main.rad:1:21" } else { "bad" };
-    cases.extend(nonsense().into_iter().map(|(label, content)| used_as("cal", label, content, place(label))));
-    cases.push(used_as("cal", "no definition of the name", "g = 1;", "main.rad:1:21"));
+    cases.extend(nonsense().into_iter().flat_map(|(label, content)| refused_as("cal", label, content, place(label))));
+    cases.extend(refused_as("cal", "no definition of the name", "g = 1;", "main.rad:1:21"));
     cases.extend(unread_in("cal"));
     cases
 }
@@ -290,8 +290,8 @@ pub fn tables() -> Vec<Case> {
         ("equal ends", "1 1 1 3 5 6 7"),
         ("a zero byte", "1 0 1 3 1\0 2 3"),
     ];
-    let mut cases: Vec<Case> = rows.iter().map(|(label, text)| used_as("dat", label, *text, "bad")).collect();
-    cases.extend(nonsense().into_iter().map(|(label, content)| used_as("dat", label, content, "bad")));
+    let mut cases: Vec<Case> = rows.iter().flat_map(|(label, text)| refused_as("dat", label, *text, "bad")).collect();
+    cases.extend(nonsense().into_iter().flat_map(|(label, content)| refused_as("dat", label, content, "bad")));
     cases.extend(unread_in("dat"));
     cases
 }
@@ -341,7 +341,7 @@ pub fn objects() -> Vec<Case> {
         ("a zero byte", face("f 1 2\0 3"), "bad:4:"),
     ];
     let mut cases: Vec<Case> = rows.iter().map(|(label, text, place)| used_as("mesh", label, text.as_str(), place)).collect();
-    cases.extend(nonsense().into_iter().map(|(label, content)| used_as("mesh", label, content, "bad")));
+    cases.extend(nonsense().into_iter().flat_map(|(label, content)| refused_as("mesh", label, content, "bad")));
     cases.extend(unread_in("mesh"));
     cases
 }

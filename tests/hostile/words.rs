@@ -45,8 +45,7 @@ pub fn arguments() -> Vec<Case> {
         ("imgdiff - -", "standard input"),
         ("imgdiff --all --metric mse a a", "--metric"),
         // The renderer.
-        ("rtrace-rs -vp 0 0 5", "SCENE"),
-        ("SEE", "SCENE"),
+        ("rtrace-rs -ab 1", "standard input holds the rays"),
         ("SEE -x 0 main.rad", "-x"),
         ("SEE -x -5 main.rad", "-5"),
         ("SEE -x wide main.rad", "wide"),
@@ -65,7 +64,7 @@ pub fn arguments() -> Vec<Case> {
         ("SEE --ward 1993 main.rad", "1993"),
         ("SEE -vt main.rad", "-vt"),
         ("SEE -vtx main.rad", "-vtx"),
-        ("SEE -vp 0 0 main.rad", "SCENE"),
+        ("SEE -vp 0 0 main.rad", "main.rad"),
         ("SEE -vp 0 0 nan main.rad", "-vp"),
         ("SEE -vp 0 0 1e999 main.rad", "-vp"),
         ("SEE -vd 0 0 0 main.rad", "-vd"),

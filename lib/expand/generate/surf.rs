@@ -9,7 +9,7 @@ use crate::rad::{Quoted, real};
 use crate::vector::Vec3;
 use std::fmt::Write;
 
-const USAGE: &str = "usage: gensurf material name x(s,t) y(s,t) z(s,t) m n [-s] [-e expr] [-f file]";
+const USAGE: &str = "usage: gensurf material name x(s,t) y(s,t) z(s,t) m n [-s] [-i] [-e expr] [-f file]";
 
 /// A sine below this is zero: of a corner of a triangle, or between a fourth point and the plane of the others.
 const TINY: f64 = 2e-7;
@@ -63,7 +63,7 @@ struct Vertex {
 pub fn gensurf(arguments: &[String], read: Read) -> Result<String> {
     let [material, name, x, y, z, m, n, options @ ..] = arguments else { return Err(Error::new(USAGE)) };
     let (mut functions, others) = Functions::parse(options, read)?;
-    if let Some(option) = others.iter().find(|o| *o != "-s") {
+    if let Some(option) = others.iter().find(|o| !matches!(o.as_str(), "-s" | "-i")) {
         return Err(Error::new(format!("unknown option `{option}`; {USAGE}")));
     }
     let m = functions.count(m, SURFACE_LIMIT)?;
@@ -81,7 +81,7 @@ pub fn gensurf(arguments: &[String], read: Read) -> Result<String> {
         Some(computed).filter(|p| p.is_finite())
     };
     // Smooth normals take a rim of vertices beyond the square: index 1 is parameter 0.
-    let smooth = !others.is_empty();
+    let [smooth, inverted] = ["-s", "-i"].map(|option| others.iter().any(|o| o == option));
     let row =
         |i: usize| -> Vec<Option<Vec3>> { (0..n + 3).map(|j| (smooth || j > 0 && j < n + 2).then(|| point(i, j)).flatten()).collect() };
     let vertices = |rows: [&[Option<Vec3>]; 3]| -> Vec<Option<Vertex>> {
@@ -90,14 +90,14 @@ pub fn gensurf(arguments: &[String], read: Read) -> Result<String> {
             let point = rows[1][j]?;
             let along = tangent(rows[0][j], point, rows[2][j]);
             let across = tangent(rows[1][j - 1], point, rows[1][j + 1]);
-            Some(Vertex { point, normal: along.cross(across).normalize_or_zero() })
+            Some(Vertex { point, normal: along.cross(across).normalize_or_zero() * if inverted { -1.0 } else { 1.0 } })
         };
         (1..n + 2).map(vertex).collect()
     };
     let none = vec![None; n + 3];
     let (mut before, mut here, mut behind) = (if smooth { row(0) } else { none.clone() }, row(1), row(2));
     let mut rear = vertices([&before, &here, &behind]);
-    let mut surface = Surface { material, smooth, printer: Printer::new(material, name), count: 0 };
+    let mut surface = Surface { material, smooth, inverted, printer: Printer::new(material, name), count: 0 };
     for i in 1..=m {
         before = std::mem::replace(&mut here, behind);
         behind = if smooth || i < m { row(i + 2) } else { none.clone() };
@@ -113,6 +113,8 @@ pub fn gensurf(arguments: &[String], read: Read) -> Result<String> {
 struct Surface<'a> {
     material: &'a str,
     smooth: bool,
+    /// Whether what would be the back is the front.
+    inverted: bool,
     printer: Printer<'a>,
     count: usize,
 }
@@ -123,7 +125,12 @@ impl Surface<'_> {
         let [Some(a), Some(b), Some(c), Some(d)] = corners else { return };
         let [p, q, r, s] = [a, b, c, d].map(|v| v.point);
         // Diagonals change direction from one square to the next along t.
-        let (first, second, whole) = if even { ([r, s, p], [p, s, q], [r, s, q, p]) } else { ([p, r, q], [q, r, s], [p, r, s, q]) };
+        let (first, second, whole) = match (even, self.inverted) {
+            (true, false) => ([r, s, p], [p, s, q], [r, s, q, p]),
+            (false, false) => ([p, r, q], [q, r, s], [p, r, s, q]),
+            (true, true) => ([r, p, s], [s, p, q], [r, p, q, s]),
+            (false, true) => ([p, q, r], [r, q, s], [p, q, s, r]),
+        };
         let normals = [first, second].map(|[a, b, c]| {
             let (e, f) = (b - a, c - a);
             let cross = e.cross(f);
