@@ -18,6 +18,8 @@ use std::collections::HashSet;
 use std::path::PathBuf;
 
 /// Renders RADIANCE scenes. With a view it writes a picture; without one it reads rays on standard input and writes what they see.
+///
+/// Exit status: 0 done, 1 interrupted (the picture is the best so far), 2 trouble.
 #[derive(clap::Parser, Clone, Debug)]
 #[command(name = "rtrace-rs", version, max_term_width = 100)]
 pub struct Arguments {
@@ -416,12 +418,8 @@ impl Light {
         self.possible()?;
         let excluded = modifiers(&self.ae, &self.ae_files, list)?;
         let included = modifiers(&self.ai, &self.ai_files, list)?;
-        let gathering = match (excluded, included) {
-            (Some(_), Some(_)) => {
-                return Err(Error::new("-ae and -ai exclude each other: give either what gathers light or what does not"));
-            }
-            (excluded, included) => excluded.map(|names| (false, names)).or(included.map(|names| (true, names))),
-        };
+        let refusal = "-ae and -ai exclude each other: give either what gathers light or what does not";
+        let gathering = either(excluded, included, refusal)?;
         // A negative count shows photons in RADIANCE, of which there are none here.
         let bounces = self.ab.map(|n| n.clamp(0, u32::MAX as i64) as u32).unwrap_or(default.ambient_bounces);
         Ok(Rules {
@@ -482,8 +480,25 @@ impl Light {
     }
 }
 
+impl RayOptions {
+    /// The modifiers of what is told of (true), or is not (false). `list` gives the words of a file of modifiers.
+    pub fn among(&self, list: &dyn Fn(&str) -> Result<Vec<String>>) -> Result<Option<(bool, HashSet<String>)>> {
+        let excluded = modifiers(&self.exclude, &self.exclude_files, list)?;
+        let included = modifiers(&self.include, &self.include_files, list)?;
+        either(excluded, included, "-te and -ti exclude each other: give either what is told of or what is not")
+    }
+}
+
+/// What is left out (false), or what alone is meant (true); both are refused.
+fn either(excluded: Option<HashSet<String>>, included: Option<HashSet<String>>, refusal: &str) -> Result<Option<(bool, HashSet<String>)>> {
+    match (excluded, included) {
+        (Some(_), Some(_)) => Err(Error::new(refusal)),
+        (excluded, included) => Ok(excluded.map(|names| (false, names)).or(included.map(|names| (true, names)))),
+    }
+}
+
 /// The modifiers of a list on the command line and of files; `None` if there are neither.
-pub fn modifiers(names: &[String], files: &[String], list: &dyn Fn(&str) -> Result<Vec<String>>) -> Result<Option<HashSet<String>>> {
+fn modifiers(names: &[String], files: &[String], list: &dyn Fn(&str) -> Result<Vec<String>>) -> Result<Option<HashSet<String>>> {
     let mut all: HashSet<String> = names.iter().cloned().collect();
     for file in files {
         all.extend(list(file)?);

@@ -51,6 +51,11 @@ pub fn write(picture: &Picture, path: Option<&Path>, exr: bool) -> Outcome<()> {
     Output::whole(path, &bytes?)
 }
 
+/// How far a rendering is, in words.
+pub fn reached(rendering: &Rendering) -> String {
+    format!("{:.0} samples a pixel, error {:.2} %", rendering.samples(), 100.0 * rendering.noise())
+}
+
 /// Writes a finished rendering, and its variance where that is asked for.
 pub fn finish(arguments: &Arguments, size: (usize, usize), mut header: Header, rendering: &Rendering) -> Outcome<()> {
     header.push(&format!("NOISE= {:.6}", rendering.noise()));

@@ -1,6 +1,6 @@
 //! rtrace-rs: renders RADIANCE scenes, with environment maps as light.
 
-use inverad::args::rtrace::{Arguments, FEATURES, defaults, explain, modifiers};
+use inverad::args::rtrace::{Arguments, FEATURES, defaults, explain};
 use inverad::cal;
 use inverad::cli::rays::{Stream, answer};
 use inverad::cli::{self, Answer, Console, Disk, Outcome, Output, film, interrupted};
@@ -67,13 +67,7 @@ fn rays(args: &Arguments, rules: &Rules, disk: &Disk, list: &dyn Fn(&str) -> Res
     }
     let format = Format::of(options.format.as_deref().unwrap_or("a"))?;
     let mut fields = Fields::of(options.specifiers.as_deref().unwrap_or("v"), format.output)?;
-    fields.among =
-        match (modifiers(&options.exclude, &options.exclude_files, list)?, modifiers(&options.include, &options.include_files, list)?) {
-            (Some(_), Some(_)) => {
-                return Err(Error::new("-te and -ti exclude each other: give either what is told of or what is not").into());
-            }
-            (excluded, included) => excluded.map(|names| (false, names)).or(included.map(|names| (true, names))),
-        };
+    fields.among = options.among(list)?;
     let world = world(args, rules, disk, console)?;
     let teller = Teller {
         world: &world,
@@ -134,10 +128,11 @@ fn picture(args: &Arguments, rules: &Rules, disk: &Disk, start: Instant, console
         Output::whole(Some(path), &film::depths(&lengths(&task)))?;
     }
     let rendering = render(&task, &stop, &mut |so_far| {
-        console.progress(|| format!("{:.0} samples a pixel, error {:.2} %", so_far.samples(), 100.0 * so_far.noise()));
+        console.progress(|| film::reached(so_far));
     });
+    let interrupted = stop();
     if let Some(range) = &args.accuracy.samples {
-        if stop() {
+        if interrupted {
             return Err(Error::new("interrupted: a part of the samples of a part is of no use").into());
         }
         let planes = part(film.width, film.height, header, range, &rendering);
@@ -146,5 +141,10 @@ fn picture(args: &Arguments, rules: &Rules, disk: &Disk, start: Instant, console
     if let (Some(names), Some([_, path])) = (aovs, options.aov.as_deref()) {
         Output::whole(Some(path.as_ref()), &film::features(&film, &header, &names, &features(&task, &rendering))?)?;
     }
-    film::finish(args, size, header, &rendering).map(|()| Answer::Yes)
+    film::finish(args, size, header, &rendering)?;
+    if interrupted {
+        console.note(&format!("interrupted at {}; the picture is the best so far", film::reached(&rendering)));
+        return Ok(Answer::No);
+    }
+    Ok(Answer::Yes)
 }
