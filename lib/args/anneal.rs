@@ -86,7 +86,7 @@ pub struct Photo {
 
     /// No picture yet: the standard errors that one would give if the unknown were START.rad's, what it would not tell, and what would
     /// help. Assumed is noise of 2 % in each pixel
-    #[arg(long, requires = "scene", conflicts_with_all = ["target", "exec"])]
+    #[arg(long, requires = "scene", conflicts_with_all = ["target", "exec", "state", "log", "report"])]
     pub predict: bool,
 
     /// Largest width of the picture to predict, in pixels [default: 160]
@@ -169,7 +169,7 @@ pub const AUTO: &str = "auto";
 #[derive(clap::Args, Clone, Debug)]
 #[command(next_help_heading = "Search")]
 pub struct SearchOptions {
-    /// Evaluations in all [default: 400, or as many as --time allows]
+    /// Evaluations by --exec or --direct in all [default: 400, or as many as --time allows]
     #[arg(long, value_name = "N")]
     pub steps: Option<usize>,
 
@@ -181,16 +181,16 @@ pub struct SearchOptions {
     #[arg(long, value_name = "T")]
     pub tolerance: Option<f64>,
 
-    /// Search in N stages, coarse first: the command may render small pictures while $STAGE is 1
+    /// Search by --exec in N stages, coarse first: the command may render small pictures while $STAGE is 1
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub stages: u8,
 
-    /// How many independent squares chi-squared is the sum of, as 3 for each pixel that matters: standard errors then hold the noise of
-    /// the photograph too
+    /// How many independent squares the chi-squared of --exec or --direct is the sum of, as 3 for each pixel that matters: standard errors
+    /// then hold the noise of the photograph too
     #[arg(long, value_name = "N")]
     pub residuals: Option<f64>,
 
-    /// Only anneal: no local quadratics at the end, and no standard errors
+    /// By --exec or --direct only anneal: no local quadratics at the end, and no standard errors
     #[arg(long)]
     pub no_polish: bool,
 
@@ -240,6 +240,9 @@ impl Arguments {
             return Err(Error::new("--filter auto finds the filter of a --target without --direct; give its radius here"));
         }
         let words: Vec<&str> = self.words.iter().map(String::as_str).collect();
+        if matches!(words[..], ["propose" | "tell" | "best", _, ..]) && (self.search.state.is_some() || self.search.log.is_some()) {
+            return Err(Error::new(format!("{} keeps the search in the file after it, and no log; leave --state and --log out", words[0])));
+        }
         match words[..] {
             ["propose", state] => Ok(Job::Propose(state.into(), None)),
             ["propose", state, start] => Ok(Job::Propose(state.into(), Some(start.into()))),
@@ -250,7 +253,7 @@ impl Arguments {
             }
             ["best", state] => Ok(Job::Best(state.into())),
             ["propose" | "tell" | "best", ..] => Err(Error::new(format!("{} takes the file that keeps the search; see --help", words[0]))),
-            [start] => Ok(Job::Search(start.into())),
+            [start] => self.busy().map(|()| Job::Search(start.into())),
             _ => Err(Error::new("one START.rad only: put the unknown material into one file")),
         }
     }
@@ -267,12 +270,18 @@ impl Arguments {
         }
     }
 
-    /// What was said of the way to search that is of no use where no candidate is judged: a recovery from a picture.
-    pub fn idle(&self) -> Vec<&'static str> {
+    /// Refuses what says how candidates are judged where none is: in a recovery from a picture, or in what is predicted of one.
+    fn busy(&self) -> Result<()> {
         let SearchOptions { steps, stages, residuals, no_polish, .. } = &self.search;
         let said =
             [("--steps", steps.is_some()), ("--stages", *stages > 1), ("--residuals", residuals.is_some()), ("--no-polish", *no_polish)];
-        said.into_iter().filter_map(|(option, said)| said.then_some(option)).collect()
+        let judged = self.judge.exec.is_some() || self.photo.direct;
+        match said.into_iter().find(|(_, said)| *said && !judged) {
+            Some((option, _)) => Err(Error::new(format!(
+                "{option} is for --exec and --direct, which judge candidates; give --time or --tolerance to say how long a recovery may take"
+            ))),
+            None => Ok(()),
+        }
     }
 
     /// How to search.
@@ -329,6 +338,25 @@ mod tests {
     }
 
     #[test]
+    fn what_would_do_nothing_is_refused_with_a_remedy() {
+        let said = |line: &str| typed(&format!("anneal {line}")).and_then(|a| a.job()).err().map(|e| e.message).unwrap_or_default();
+        for option in ["--steps 9", "--stages 2", "--residuals 9", "--no-polish"] {
+            for how in ["--target a.hdr", "--predict"] {
+                let found = said(&format!("--scene s.rad {how} {option} a.rad"));
+                assert!(found.contains("is for --exec and --direct") && found.contains("give --time or --tolerance"), "{found}");
+            }
+            assert_eq!(said(&format!("--scene s.rad --target a.hdr --direct {option} a.rad")), "");
+            assert_eq!(said(&format!("--exec x {option} a.rad")), "");
+            assert_eq!(said(&format!("propose s a.rad {option}")), "");
+        }
+        for option in ["--state s", "--log l", "--report r.html"] {
+            assert!(said(&format!("--scene s.rad --predict {option} a.rad")).contains("cannot be used with"));
+        }
+        assert!(said("propose s --state s2").contains("leave --state and --log out") && said("best s --log l").contains("leave --state"));
+        assert_eq!(said("--scene s.rad --target a.hdr --groups rgb/spec --state s --log l --report r.html a.rad"), "");
+    }
+
+    #[test]
     fn wishes_and_options_are_as_typed() {
         let line =
             "anneal s.rad --param rough=.1:0:.3 --param a4=:0:1 --fix red,green --tie red=green=blue --groups rgb/spec,rough --steps 9";
@@ -339,7 +367,6 @@ mod tests {
         assert_eq!(wishes.tied, [["red", "green", "blue"]]);
         assert_eq!(wishes.groups, [vec!["rgb"], vec!["spec", "rough"]]);
         assert_eq!(arguments.options().unwrap().steps, 9);
-        assert_eq!((arguments.idle(), typed("anneal s.rad").unwrap().idle()), (vec!["--steps"], vec![]));
         assert!(typed("anneal s.rad --param rough=1").unwrap_err().message.contains("write NAME=START:LOW:HIGH"));
         assert!(typed("anneal s.rad --no-polish --tolerance .1").unwrap().options().unwrap_err().message.contains("give one of them"));
     }

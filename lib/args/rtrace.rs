@@ -2,6 +2,7 @@
 
 mod accuracy;
 mod explain;
+mod modes;
 
 pub use accuracy::Accuracy;
 pub use explain::{FEATURES, defaults, explain};
@@ -60,7 +61,7 @@ pub struct Arguments {
     pub function_files: Vec<String>,
 
     /// The files named are parts of a picture, made with --samples: join them
-    #[arg(long, conflicts_with_all = ["error", "spp", "samples", "time"])]
+    #[arg(long, conflicts_with_all = ["error", "spp", "samples", "time", "z", "aov", "coverage"])]
     pub merge: bool,
 
     /// Leave out surfaces whose material is not supported, and say so, instead of refusing the scene
@@ -120,7 +121,7 @@ pub struct PictureOptions {
     #[arg(long)]
     pub exr: bool,
 
-    /// Keep the variance of each pixel
+    /// Keep the variance of each pixel; of a picture in parts, with --merge
     #[arg(long, value_name = "FILE.exr")]
     pub variance: Option<PathBuf>,
 
@@ -129,14 +130,14 @@ pub struct PictureOptions {
     pub aov: Option<Vec<String>>,
 
     /// Instead of light, the fraction of each pixel that is covered by surfaces whose material is ID
-    #[arg(long, value_name = "ID")]
+    #[arg(long, value_name = "ID", conflicts_with_all = ["variance", "aov"])]
     pub coverage: Option<String>,
 
     /// Red, green and blue [default]
     #[arg(long = "pRGB")]
     pub rgb: bool,
 
-    /// CIE XYZ, times 179
+    /// CIE XYZ, times 179; of a picture in parts, with --merge
     #[arg(long = "pXYZ")]
     pub xyz: bool,
 

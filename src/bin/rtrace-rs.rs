@@ -26,6 +26,7 @@ fn run(args: Arguments, console: &Console) -> Outcome<Answer> {
         let text = if args.features { FEATURES.into() } else { defaults(&args) };
         return Output::whole(None, text.as_bytes()).map(|()| Answer::Yes);
     }
+    args.possible()?;
     if args.merge {
         return film::merge(&args).map(|()| Answer::Yes);
     }
@@ -38,7 +39,6 @@ fn run(args: Arguments, console: &Console) -> Outcome<Answer> {
     let disk = Disk::new(args.scene_options.commands, cal::shipped, console);
     let list = |file: &str| cli::list(&disk, file);
     let rules = args.light.rules(&list)?;
-    args.picture.possible()?;
     if args.view.words.is_empty() { rays(&args, &rules, &disk, &list, console) } else { picture(&args, &rules, &disk, start, console) }
 }
 
@@ -59,9 +59,6 @@ fn world(args: &Arguments, rules: &Rules, disk: &Disk, console: &Console) -> Out
 /// Answers the rays on standard input.
 fn rays(args: &Arguments, rules: &Rules, disk: &Disk, list: &dyn Fn(&str) -> Result<Vec<String>>, console: &Console) -> Outcome<Answer> {
     let options = &args.rays;
-    if args.accuracy.samples.is_some() {
-        return Err(Error::new("--samples is for pictures: give a view (-vf FILE, -vp …)").into());
-    }
     if args.scenes.iter().any(|name| name == "-") {
         return Err(Error::new("standard input holds the rays; name the files of the scene, or give a view (-vf FILE, -vp …)").into());
     }
@@ -116,6 +113,9 @@ fn picture(args: &Arguments, rules: &Rules, disk: &Disk, start: Instant, console
     };
     let header = film::header(console.trail(), &view, &film);
     let output = args.common.output.as_deref();
+    if let Some(path) = &options.z {
+        Output::whole(Some(path), &film::depths(&lengths(&task)))?;
+    }
     if let Some(name) = &options.coverage {
         let materials: Vec<MaterialId> = (0..world.materials().len()).filter(|&m| world.materials()[m].name == *name).collect();
         if materials.is_empty() {
@@ -123,9 +123,6 @@ fn picture(args: &Arguments, rules: &Rules, disk: &Disk, start: Instant, console
         }
         let covered = film::picture(size, header, coverage(&task, &materials).into_iter().map(Vec3::splat));
         return film::write(&covered, output, options.exr).map(|()| Answer::Yes);
-    }
-    if let Some(path) = &options.z {
-        Output::whole(Some(path), &film::depths(&lengths(&task)))?;
     }
     let rendering = render(&task, &stop, &mut |so_far| {
         console.progress(|| film::reached(so_far));

@@ -19,7 +19,7 @@ pub struct Accuracy {
     pub spp: Option<u32>,
 
     /// Of --spp, only the samples from A on and before B; keeps their sums (OpenEXR), for --merge
-    #[arg(long, value_name = "A..B", value_parser = samples)]
+    #[arg(long, value_name = "A..B", value_parser = samples, conflicts_with_all = ["variance", "aov", "coverage", "xyz"])]
     pub samples: Option<Range<u32>>,
 
     /// The best picture in this many seconds
