@@ -6,6 +6,7 @@ mod modes;
 
 pub use accuracy::Accuracy;
 pub use explain::{FEATURES, defaults, explain};
+pub use modes::ends_in;
 
 use super::{Common, Scenes, ViewWords, radius};
 use crate::color::Rgb;

@@ -1,13 +1,25 @@
-//! What goes together: a picture, the parts of one, or rays.
+//! What goes together: a picture, the parts of one, or rays, and the files that each of them writes.
 //!
 //! An option that only tunes the rendering may stand anywhere, as in a file of options that serves several programs. One that asks for
 //! something that would not come about is refused.
 
 use super::{Arguments, PictureOptions};
 use crate::error::{Error, Result};
+use std::path::Path;
+
+/// Ends of names that are taken for a picture that is no OpenEXR.
+const OTHER_PICTURES: [&str; 3] = ["hdr", "pic", "png"];
+
+/// Ends of names of pictures that rays are not answered with.
+const NO_ANSWERS: [&str; 2] = ["exr", "png"];
+
+/// Whether the name of a file ends so, in capitals or not.
+pub fn ends_in(path: &Path, ends: &[&str]) -> bool {
+    path.extension().is_some_and(|extension| ends.iter().any(|end| extension.eq_ignore_ascii_case(end)))
+}
 
 impl Arguments {
-    /// Refuses what asks for something that would not come about.
+    /// Refuses what asks for something that would not come about, or under a name that says something else.
     pub fn possible(&self) -> Result<()> {
         self.picture.possible()?;
         let (view, rays) = (!self.view.words.is_empty(), &self.rays);
@@ -41,7 +53,31 @@ impl Arguments {
                 return Err(Error::new(format!("{option} is for pictures: give a view (-vf FILE, -vp …)")));
             }
         }
-        Ok(())
+        self.named(view || self.merge)
+    }
+
+    /// Refuses files whose names promise another format than they would have.
+    fn named(&self, picture: bool) -> Result<()> {
+        let PictureOptions { exr, variance, aov, .. } = &self.picture;
+        let output = self.common.output.as_deref();
+        if let Some(path) = output.filter(|path| !picture && ends_in(path, &NO_ANSWERS)) {
+            let (path, other) = (path.display(), path.with_extension("hdr"));
+            let remedy = format!("with -f…c they are a RADIANCE picture: name it {}, or give a view (-vf FILE, -vp …)", other.display());
+            return Err(Error::new(format!("{path}: rays are not answered in this format; {remedy}")));
+        }
+        let of_exr = [
+            ("--samples", output.filter(|_| self.accuracy.samples.is_some())),
+            ("--exr", output.filter(|_| *exr)),
+            ("--variance", variance.as_deref()),
+            ("--aov", aov.as_ref().map(|words| Path::new(&words[1]))),
+        ];
+        match of_exr.into_iter().find_map(|(option, path)| Some((option, path.filter(|path| ends_in(path, &OTHER_PICTURES))?))) {
+            Some((option, path)) => {
+                let (path, other) = (path.display(), path.with_extension("exr"));
+                Err(Error::new(format!("{path}: {option} writes OpenEXR; name the file {}", other.display())))
+            }
+            None => Ok(()),
+        }
     }
 }
 
@@ -91,6 +127,16 @@ mod tests {
             let found = said(&format!("rtrace-rs {line}"));
             assert!(found.contains(wanted), "{line}: {found}");
         }
+    }
+
+    #[test]
+    fn a_name_that_promises_another_format_is_refused() {
+        let remedy = "p.hdr: --samples writes OpenEXR; name the file p.exr";
+        assert_eq!(said("rtrace-rs -vp 0 0 1 --samples 0..5 -o p.hdr s.rad"), remedy);
+        assert!(said("rtrace-rs -vp 0 0 1 --exr -o p.PIC s.rad").contains("p.PIC: --exr writes OpenEXR"));
+        assert!(said("rtrace-rs -vp 0 0 1 --variance a/v.hdr s.rad").contains("name the file a/v.exr"));
+        assert!(said("rtrace-rs -vp 0 0 1 --aov normal n.png s.rad").contains("name the file n.exr"));
+        assert!(said("rtrace-rs -fac -o x.exr s.rad").contains("x.exr: rays are not answered in this format; with -f…c they are"));
     }
 
     #[test]
