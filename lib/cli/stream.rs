@@ -99,6 +99,18 @@ impl Output {
         Ok(Self { name, to: To::File(BufWriter::with_capacity(1 << 16, file), path) })
     }
 
+    /// Errors if a file that is to be written later could not be, so that long work is not done for nothing. What is there stays as it is; a
+    /// pipe or a device is not tried, since whoever reads it would take the trial for the whole.
+    pub fn possible(path: &Path) -> Outcome<()> {
+        if std::fs::metadata(path).is_ok_and(|m| !m.is_file() && !m.is_dir()) {
+            return Ok(());
+        }
+        if let To::File(writer, _) = &Self::create(Some(path))?.to {
+            signal::ended(writer.get_ref().path());
+        }
+        Ok(())
+    }
+
     /// Writes these bytes and no others to the file, or to standard output if there is none or its name is `-`.
     pub fn whole(path: Option<&Path>, bytes: &[u8]) -> Outcome<()> {
         let mut output = Self::create(path)?;
@@ -189,6 +201,19 @@ mod tests {
             output.write(b"text").unwrap();
             assert!(matches!(output.finish(), Err(Stop::Failed(e)) if e.message == "/dev/full: no space left on device"));
         }
+    }
+
+    #[test]
+    fn what_could_not_be_written_is_said_before_and_what_could_is_left_alone() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("file");
+        std::fs::write(&path, "old").unwrap();
+        for could in [&path, &directory.path().join("new"), Path::new("-"), Path::new("/dev/null")] {
+            Output::possible(could).unwrap();
+        }
+        assert!(Output::possible(&directory.path().join("no/such")).is_err() && Output::possible(directory.path()).is_err());
+        assert_eq!(std::fs::read(&path).unwrap(), b"old");
+        assert_eq!(std::fs::read_dir(&directory).unwrap().count(), 1);
     }
 
     #[test]

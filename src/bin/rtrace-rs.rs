@@ -27,6 +27,7 @@ fn run(args: Arguments, console: &Console) -> Outcome<Answer> {
         return Output::whole(None, text.as_bytes()).map(|()| Answer::Yes);
     }
     args.possible()?;
+    args.files().try_for_each(Output::possible)?;
     if args.merge {
         return film::merge(&args).map(|()| Answer::Yes);
     }

@@ -79,6 +79,13 @@ impl Arguments {
             None => Ok(()),
         }
     }
+
+    /// The files that are written.
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        let PictureOptions { z, variance, aov, .. } = &self.picture;
+        let aov = aov.as_ref().map(|words| Path::new(&words[1]));
+        [self.common.output.as_deref(), z.as_deref(), variance.as_deref(), aov].into_iter().flatten()
+    }
 }
 
 #[cfg(test)]
