@@ -12,6 +12,9 @@ use tempfile::NamedTempFile;
 /// The largest input that is read, in bytes.
 const INPUT_LIMIT: u64 = 1 << 32;
 
+/// Links that one name may lead through.
+const LINKS: usize = 40;
+
 /// Inputs by name, where `-` is standard input.
 #[derive(Default)]
 pub struct Input {
@@ -78,7 +81,7 @@ impl Output {
         let name = path.display().to_string();
         let failed = |e: io::Error| Error::new(format!("{name}: {}", plain(&e)));
         // A link keeps pointing to the file, which is replaced where it stands.
-        let path = std::fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
+        let path = std::fs::canonicalize(path).unwrap_or_else(|_| behind_links(path));
         let existing = std::fs::metadata(&path).ok();
         if existing.as_ref().is_some_and(|m| m.is_dir()) {
             return Err(Error::new(format!("{name}: is a directory")).into());
@@ -160,6 +163,16 @@ impl Output {
     }
 }
 
+/// What a link that leads to no file yet stands for; any other path as it is.
+fn behind_links(path: &Path) -> PathBuf {
+    let mut path = path.to_path_buf();
+    for _ in 0..LINKS {
+        let Some(to) = std::fs::read_link(&path).ok().filter(|_| !path.exists()) else { break };
+        path = path.parent().unwrap_or(Path::new("")).join(to);
+    }
+    path
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -196,6 +209,12 @@ mod tests {
         output.write(b"new").unwrap();
         output.finish().unwrap();
         assert!(link.is_symlink() && std::fs::read(&path).unwrap() == b"new");
+        // So does one to a file that is not there yet, by way of another one.
+        let (far, near) = (directory.path().join("far"), directory.path().join("near"));
+        std::os::unix::fs::symlink("near", &far).unwrap();
+        std::os::unix::fs::symlink("later", &near).unwrap();
+        Output::whole(Some(&far), b"first").unwrap();
+        assert!(far.is_symlink() && near.is_symlink() && std::fs::read(directory.path().join("later")).unwrap() == b"first");
         if Path::new("/dev/full").exists() {
             let mut output = Output::create(Some(Path::new("/dev/full"))).unwrap();
             output.write(b"text").unwrap();
