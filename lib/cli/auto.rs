@@ -28,7 +28,9 @@ pub struct Taken<'a> {
 /// START.rad as it is, and what is wished of its material.
 fn read(start: &str, arguments: &Arguments) -> Outcome<(Document, Wishes)> {
     let (name, bytes) = Input::default().read(start)?;
-    Ok((Document::read(&name, bytes)?, arguments.wishes()))
+    let wishes = arguments.wishes();
+    wishes.possible()?;
+    Ok((Document::read(&name, bytes)?, wishes))
 }
 
 /// START.rad, its material taken for the type that was named, and what is wished of it.
