@@ -83,19 +83,6 @@ pub fn names(text: &str, separator: char) -> Vec<String> {
     text.split(separator).map(str::trim).filter(|name| !name.is_empty()).map(String::from).collect()
 }
 
-impl Wishes {
-    /// Refuses what no type of material could be, by the names alone.
-    pub fn possible(&self) -> Result<()> {
-        self.bounds.iter().find(|bounds| self.fixed.contains(&bounds.name)).map_or(Ok(()), |bounds| Err(bound_and_fixed(&bounds.name)))
-    }
-}
-
-/// What is wrong with a parameter that has bounds and none.
-fn bound_and_fixed(name: &str) -> Error {
-    let message = format!("{name} has bounds by --param, and is fixed by --fix to what the file says");
-    Error::new(message + "; give one of them, and the value in the file")
-}
-
 impl Unknown {
     /// The unknown of a scene file.
     pub fn new(document: Document, wishes: &Wishes) -> Result<Self> {
@@ -139,7 +126,8 @@ impl Unknown {
         for name in &wishes.fixed {
             let first = leader[index(name)?];
             if said[first] {
-                return Err(bound_and_fixed(name));
+                let message = format!("{name} has bounds by --param, and is fixed by --fix to what the file says");
+                return Err(Error::new(message + "; give one of them, and the value in the file"));
             }
             ranges[first] = None;
         }

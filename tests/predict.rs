@@ -108,9 +108,6 @@ fn what_is_missing_is_said() {
     assert!(trouble("--predict --scene scene.rad --target a.hdr start.rad").contains("cannot be used with"));
     assert!(trouble("-x 40 --scene scene.rad --target a.hdr start.rad").contains("--predict"));
     fs::write(directory.path().join("dark.rad"), BALL).unwrap();
-    // No type is left out for it, either.
-    let both = "--type auto --param spec=.1:0:.5 --fix spec --scene scene.rad --target a.hdr start.rad";
-    assert!(trouble(both).starts_with("anneal: error: spec has bounds by --param, and is fixed by --fix"));
     assert!(trouble("--predict --scene dark.rad -vp 0 -5 0 start.rad").contains("the scene has no light"));
     assert!(trouble("--predict --type auto --scene scene.rad -vp 0 -5 0 start.rad").contains("--type auto"));
 }

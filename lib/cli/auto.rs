@@ -28,9 +28,7 @@ pub struct Taken<'a> {
 /// START.rad as it is, and what is wished of its material.
 fn read(start: &str, arguments: &Arguments) -> Outcome<(Document, Wishes)> {
     let (name, bytes) = Input::default().read(start)?;
-    let wishes = arguments.wishes();
-    wishes.possible()?;
-    Ok((Document::read(&name, bytes)?, wishes))
+    Ok((Document::read(&name, bytes)?, arguments.wishes()))
 }
 
 /// START.rad, its material taken for the type that was named, and what is wished of it.
