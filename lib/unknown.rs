@@ -125,10 +125,6 @@ impl Unknown {
         }
         for name in &wishes.fixed {
             let first = leader[index(name)?];
-            if said[first] {
-                let message = format!("{name} has bounds by --param, and is fixed by --fix to what the file says");
-                return Err(Error::new(message + "; give one of them, and the value in the file"));
-            }
             ranges[first] = None;
         }
         // Lay out what is left free.
@@ -386,8 +382,6 @@ mod tests {
         assert!(message(HORSE, &outside).starts_with("start.rad:5:"));
         let tied = Wishes { tied: vec![words(&["red", "blue"])], bounds: vec!["blue=.5:0:1".parse().unwrap()], ..Wishes::default() };
         assert!(message(HORSE, &tied).contains("blue is tied to red: give the bounds of red"));
-        let both = Wishes { bounds: vec!["red=.5:0:1".parse().unwrap()], ..fix("a1") };
-        assert!(message(HORSE, &both).contains("a1 has bounds by --param, and is fixed by --fix"), "{}", message(HORSE, &both));
         for wrong in ["rough", "rough=1:2", "rough=a:0:1", "rough=.5:1:0", "rough=2:0:1", "rough=nan:0:1"] {
             assert!(wrong.parse::<Bounds>().unwrap_err().message.contains("write NAME=START:LOW:HIGH"), "{wrong}");
         }
