@@ -253,7 +253,7 @@ impl Arguments {
             }
             ["best", state] => Ok(Job::Best(state.into())),
             ["propose" | "tell" | "best", ..] => Err(Error::new(format!("{} takes the file that keeps the search; see --help", words[0]))),
-            [start] => self.busy().map(|()| Job::Search(start.into())),
+            [start] => Ok(Job::Search(start.into())),
             _ => Err(Error::new("one START.rad only: put the unknown material into one file")),
         }
     }
@@ -270,18 +270,12 @@ impl Arguments {
         }
     }
 
-    /// Refuses what says how candidates are judged where none is: in a recovery from a picture, or in what is predicted of one.
-    fn busy(&self) -> Result<()> {
+    /// What was said of the way to search that is of no use where no candidate is judged: a recovery from a picture.
+    pub fn idle(&self) -> Vec<&'static str> {
         let SearchOptions { steps, stages, residuals, no_polish, .. } = &self.search;
         let said =
             [("--steps", steps.is_some()), ("--stages", *stages > 1), ("--residuals", residuals.is_some()), ("--no-polish", *no_polish)];
-        let judged = self.judge.exec.is_some() || self.photo.direct;
-        match said.into_iter().find(|(_, said)| *said && !judged) {
-            Some((option, _)) => Err(Error::new(format!(
-                "{option} is for --exec and --direct, which judge candidates; give --time or --tolerance to say how long a recovery may take"
-            ))),
-            None => Ok(()),
-        }
+        said.into_iter().filter_map(|(option, said)| said.then_some(option)).collect()
     }
 
     /// How to search.
@@ -340,15 +334,6 @@ mod tests {
     #[test]
     fn what_would_do_nothing_is_refused_with_a_remedy() {
         let said = |line: &str| typed(&format!("anneal {line}")).and_then(|a| a.job()).err().map(|e| e.message).unwrap_or_default();
-        for option in ["--steps 9", "--stages 2", "--residuals 9", "--no-polish"] {
-            for how in ["--target a.hdr", "--predict"] {
-                let found = said(&format!("--scene s.rad {how} {option} a.rad"));
-                assert!(found.contains("is for --exec and --direct") && found.contains("give --time or --tolerance"), "{found}");
-            }
-            assert_eq!(said(&format!("--scene s.rad --target a.hdr --direct {option} a.rad")), "");
-            assert_eq!(said(&format!("--exec x {option} a.rad")), "");
-            assert_eq!(said(&format!("propose s a.rad {option}")), "");
-        }
         for option in ["--state s", "--log l", "--report r.html"] {
             assert!(said(&format!("--scene s.rad --predict {option} a.rad")).contains("cannot be used with"));
         }
@@ -367,6 +352,7 @@ mod tests {
         assert_eq!(wishes.tied, [["red", "green", "blue"]]);
         assert_eq!(wishes.groups, [vec!["rgb"], vec!["spec", "rough"]]);
         assert_eq!(arguments.options().unwrap().steps, 9);
+        assert_eq!((arguments.idle(), typed("anneal s.rad").unwrap().idle()), (vec!["--steps"], vec![]));
         assert!(typed("anneal s.rad --param rough=1").unwrap_err().message.contains("write NAME=START:LOW:HIGH"));
         assert!(typed("anneal s.rad --no-polish --tolerance .1").unwrap().options().unwrap_err().message.contains("give one of them"));
     }

@@ -81,6 +81,7 @@ fn search(start: &str, arguments: &Arguments, console: &Console) -> Outcome<Answ
 /// Recovers the material from the picture by the basis of its transport.
 fn look(start: &str, target: &str, arguments: &Arguments, console: &Console) -> Outcome<Answer> {
     let options = arguments.options()?;
+    arguments.idle().iter().for_each(|option| console.note(&format!("{option} is for --exec and --direct; it does nothing here")));
     let until = arguments.search.time.map(|seconds| Instant::now() + Duration::from_secs_f64(seconds.min(1e9)));
     let effort = Effort { seed: options.seed, until, tolerance: options.tolerance, around: None, quick: false, told: &|_| {} };
     let Taken { mut photo, mut title, mut doubts, asked, found } = take(start, target, effort, arguments, console)?;
