@@ -45,11 +45,11 @@ pub struct Common {
     pub progress: bool,
 
     /// Print the manual page
-    #[arg(long, hide = true, exclusive = true)]
+    #[arg(long, exclusive = true)]
     man: bool,
 
-    /// Print completions for a shell
-    #[arg(long, hide = true, exclusive = true, value_name = "SHELL")]
+    /// Print completions for a shell: bash, elvish, fish, powershell or zsh
+    #[arg(long, exclusive = true, value_name = "SHELL", hide_possible_values = true)]
     completions: Option<clap_complete::Shell>,
 }
 

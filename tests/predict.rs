@@ -107,5 +107,7 @@ fn what_is_missing_is_said() {
     assert!(trouble("--predict --scene scene.rad start.rad").contains("no view; give the view it is taken from with -vf FILE"));
     assert!(trouble("--predict --scene scene.rad --target a.hdr start.rad").contains("cannot be used with"));
     assert!(trouble("-x 40 --scene scene.rad --target a.hdr start.rad").contains("--predict"));
+    fs::write(directory.path().join("dark.rad"), BALL).unwrap();
+    assert!(trouble("--predict --scene dark.rad -vp 0 -5 0 start.rad").contains("the scene has no light"));
     assert!(trouble("--predict --type auto --scene scene.rad -vp 0 -5 0 start.rad").contains("--type auto"));
 }

@@ -86,7 +86,7 @@ pub struct Photo {
 
     /// No picture yet: the standard errors that one would give if the unknown were START.rad's, what it would not tell, and what would
     /// help. Assumed is noise of 2 % in each pixel
-    #[arg(long, requires = "scene", conflicts_with_all = ["target", "exec"])]
+    #[arg(long, requires = "scene", conflicts_with_all = ["target", "exec", "state", "log", "report"])]
     pub predict: bool,
 
     /// Largest width of the picture to predict, in pixels [default: 160]
@@ -169,7 +169,7 @@ pub const AUTO: &str = "auto";
 #[derive(clap::Args, Clone, Debug)]
 #[command(next_help_heading = "Search")]
 pub struct SearchOptions {
-    /// Evaluations in all [default: 400, or as many as --time allows]
+    /// Evaluations by --exec or --direct in all [default: 400, or as many as --time allows]
     #[arg(long, value_name = "N")]
     pub steps: Option<usize>,
 
@@ -181,16 +181,16 @@ pub struct SearchOptions {
     #[arg(long, value_name = "T")]
     pub tolerance: Option<f64>,
 
-    /// Search in N stages, coarse first: the command may render small pictures while $STAGE is 1
+    /// Search by --exec in N stages, coarse first: the command may render small pictures while $STAGE is 1
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub stages: u8,
 
-    /// How many independent squares chi-squared is the sum of, as 3 for each pixel that matters: standard errors then hold the noise of
-    /// the photograph too
+    /// How many independent squares the chi-squared of --exec or --direct is the sum of, as 3 for each pixel that matters: standard errors
+    /// then hold the noise of the photograph too
     #[arg(long, value_name = "N")]
     pub residuals: Option<f64>,
 
-    /// Only anneal: no local quadratics at the end, and no standard errors
+    /// By --exec or --direct only anneal: no local quadratics at the end, and no standard errors
     #[arg(long)]
     pub no_polish: bool,
 
@@ -240,6 +240,9 @@ impl Arguments {
             return Err(Error::new("--filter auto finds the filter of a --target without --direct; give its radius here"));
         }
         let words: Vec<&str> = self.words.iter().map(String::as_str).collect();
+        if matches!(words[..], ["propose" | "tell" | "best", _, ..]) && (self.search.state.is_some() || self.search.log.is_some()) {
+            return Err(Error::new(format!("{} keeps the search in the file after it, and no log; leave --state and --log out", words[0])));
+        }
         match words[..] {
             ["propose", state] => Ok(Job::Propose(state.into(), None)),
             ["propose", state, start] => Ok(Job::Propose(state.into(), Some(start.into()))),
@@ -326,6 +329,16 @@ mod tests {
         assert!(job("anneal --scene s.rad --predict --filter auto a.rad").unwrap_err().message.contains("give its radius"));
         assert!(job("anneal a.rad b.rad").unwrap_err().message.contains("one START.rad only"));
         assert!(job("anneal propose").unwrap_err().message.contains("propose takes the file"));
+    }
+
+    #[test]
+    fn what_would_do_nothing_is_refused_with_a_remedy() {
+        let said = |line: &str| typed(&format!("anneal {line}")).and_then(|a| a.job()).err().map(|e| e.message).unwrap_or_default();
+        for option in ["--state s", "--log l", "--report r.html"] {
+            assert!(said(&format!("--scene s.rad --predict {option} a.rad")).contains("cannot be used with"));
+        }
+        assert!(said("propose s --state s2").contains("leave --state and --log out") && said("best s --log l").contains("leave --state"));
+        assert_eq!(said("--scene s.rad --target a.hdr --groups rgb/spec --state s --log l --report r.html a.rad"), "");
     }
 
     #[test]

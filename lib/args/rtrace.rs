@@ -2,9 +2,11 @@
 
 mod accuracy;
 mod explain;
+mod modes;
 
 pub use accuracy::Accuracy;
 pub use explain::{FEATURES, defaults, explain};
+pub use modes::ends_in;
 
 use super::{Common, Scenes, ViewWords, radius};
 use crate::color::Rgb;
@@ -18,6 +20,8 @@ use std::collections::HashSet;
 use std::path::PathBuf;
 
 /// Renders RADIANCE scenes. With a view it writes a picture; without one it reads rays on standard input and writes what they see.
+///
+/// Exit status: 0 done, 1 interrupted (the picture is the best so far), 2 trouble.
 #[derive(clap::Parser, Clone, Debug)]
 #[command(name = "rtrace-rs", version, max_term_width = 100)]
 pub struct Arguments {
@@ -58,7 +62,7 @@ pub struct Arguments {
     pub function_files: Vec<String>,
 
     /// The files named are parts of a picture, made with --samples: join them
-    #[arg(long, conflicts_with_all = ["error", "spp", "samples", "time"])]
+    #[arg(long, conflicts_with_all = ["error", "spp", "samples", "time", "z", "aov", "coverage"])]
     pub merge: bool,
 
     /// Leave out surfaces whose material is not supported, and say so, instead of refusing the scene
@@ -118,7 +122,7 @@ pub struct PictureOptions {
     #[arg(long)]
     pub exr: bool,
 
-    /// Keep the variance of each pixel
+    /// Keep the variance of each pixel; of a picture in parts, with --merge
     #[arg(long, value_name = "FILE.exr")]
     pub variance: Option<PathBuf>,
 
@@ -127,14 +131,14 @@ pub struct PictureOptions {
     pub aov: Option<Vec<String>>,
 
     /// Instead of light, the fraction of each pixel that is covered by surfaces whose material is ID
-    #[arg(long, value_name = "ID")]
+    #[arg(long, value_name = "ID", conflicts_with_all = ["variance", "aov"])]
     pub coverage: Option<String>,
 
     /// Red, green and blue [default]
     #[arg(long = "pRGB")]
     pub rgb: bool,
 
-    /// CIE XYZ, times 179
+    /// CIE XYZ, times 179; of a picture in parts, with --merge
     #[arg(long = "pXYZ")]
     pub xyz: bool,
 
@@ -423,12 +427,8 @@ impl Light {
         self.possible()?;
         let excluded = modifiers(&self.ae, &self.ae_files, list)?;
         let included = modifiers(&self.ai, &self.ai_files, list)?;
-        let gathering = match (excluded, included) {
-            (Some(_), Some(_)) => {
-                return Err(Error::new("-ae and -ai exclude each other: give either what gathers light or what does not"));
-            }
-            (excluded, included) => excluded.map(|names| (false, names)).or(included.map(|names| (true, names))),
-        };
+        let refusal = "-ae and -ai exclude each other: give either what gathers light or what does not";
+        let gathering = either(excluded, included, refusal)?;
         // A negative count shows photons in RADIANCE, of which there are none here.
         let bounces = self.ab.map(|n| n.clamp(0, u32::MAX as i64) as u32).unwrap_or(default.ambient_bounces);
         Ok(Rules {
@@ -489,8 +489,25 @@ impl Light {
     }
 }
 
+impl RayOptions {
+    /// The modifiers of what is told of (true), or is not (false). `list` gives the words of a file of modifiers.
+    pub fn among(&self, list: &dyn Fn(&str) -> Result<Vec<String>>) -> Result<Option<(bool, HashSet<String>)>> {
+        let excluded = modifiers(&self.exclude, &self.exclude_files, list)?;
+        let included = modifiers(&self.include, &self.include_files, list)?;
+        either(excluded, included, "-te and -ti exclude each other: give either what is told of or what is not")
+    }
+}
+
+/// What is left out (false), or what alone is meant (true); both are refused.
+fn either(excluded: Option<HashSet<String>>, included: Option<HashSet<String>>, refusal: &str) -> Result<Option<(bool, HashSet<String>)>> {
+    match (excluded, included) {
+        (Some(_), Some(_)) => Err(Error::new(refusal)),
+        (excluded, included) => Ok(excluded.map(|names| (false, names)).or(included.map(|names| (true, names)))),
+    }
+}
+
 /// The modifiers of a list on the command line and of files; `None` if there are neither.
-pub fn modifiers(names: &[String], files: &[String], list: &dyn Fn(&str) -> Result<Vec<String>>) -> Result<Option<HashSet<String>>> {
+fn modifiers(names: &[String], files: &[String], list: &dyn Fn(&str) -> Result<Vec<String>>) -> Result<Option<HashSet<String>>> {
     let mut all: HashSet<String> = names.iter().cloned().collect();
     for file in files {
         all.extend(list(file)?);

@@ -367,6 +367,7 @@ mod tests {
         );
         assert!(text("tool --help").contains("-vp X Y Z") && !text("tool --help").contains("view-words"));
         assert!(text("tool --completions bash").contains("--error"));
+        assert!(text("tool --help").contains(" --man ") && text("tool --help").contains(" --completions <SHELL> "));
         assert_eq!(text("tool --version"), concat!("tool ", env!("CARGO_PKG_VERSION"), "\n"));
     }
 

@@ -2,7 +2,7 @@
 
 use super::stream::Input;
 use super::{Outcome, Output};
-use crate::args::rtrace::Arguments;
+use crate::args::rtrace::{Arguments, ends_in};
 use crate::error::{Error, Result};
 use crate::picture::exr::{Plane, Planes};
 use crate::picture::{Format, Header, Picture, rgb_to_xyz};
@@ -40,7 +40,7 @@ pub fn in_xyz(mut picture: Picture) -> Picture {
 
 /// Writes a picture: OpenEXR if that is wanted or the name ends so, PNG if it ends so, else RADIANCE's.
 pub fn write(picture: &Picture, path: Option<&Path>, exr: bool) -> Outcome<()> {
-    let ends = |extension: &str| path.is_some_and(|path| path.extension().is_some_and(|e| e == extension));
+    let ends = |extension: &str| path.is_some_and(|path| ends_in(path, &[extension]));
     let bytes = if exr || ends("exr") {
         picture.write_exr()
     } else if ends("png") {
@@ -49,6 +49,11 @@ pub fn write(picture: &Picture, path: Option<&Path>, exr: bool) -> Outcome<()> {
         picture.write_hdr()
     };
     Output::whole(path, &bytes?)
+}
+
+/// How far a rendering is, in words.
+pub fn reached(rendering: &Rendering) -> String {
+    format!("{:.0} samples a pixel, error {:.2} %", rendering.samples(), 100.0 * rendering.noise())
 }
 
 /// Writes a finished rendering, and its variance where that is asked for.

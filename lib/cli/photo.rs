@@ -99,6 +99,10 @@ impl<'a> Photo<'a> {
         scene.warnings.iter().for_each(|w| console.warn(w));
         let material = scene.material(sought);
         let material = material.ok_or_else(|| unknown.material().error("no surface of the scene is made of it"))?;
+        if rules.ambient_value == Rgb::ZERO && !scene.materials.iter().any(|named| named.material.emits()) {
+            let remedy = "give --scene the file with the lamps or the sky too (or -av, light from everywhere)";
+            return Err(Error::new(format!("the scene has no light, so that every rendering is black: {remedy}")).into());
+        }
         let world = surveyed(scene, &rules, material, &film)?;
         Ok(Self {
             read: disk.read(),

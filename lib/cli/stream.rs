@@ -13,6 +13,9 @@ use tempfile::NamedTempFile;
 /// The largest input that is read, in bytes.
 const INPUT_LIMIT: u64 = 1 << 32;
 
+/// Links that one name may lead through.
+const LINKS: usize = 40;
+
 /// Inputs by name, where `-` is standard input.
 #[derive(Default)]
 pub struct Input {
@@ -88,7 +91,7 @@ impl Output {
         let name = path.display().to_string();
         let failed = |e: io::Error| Error::new(format!("{name}: {}", plain(&e)));
         // A link keeps pointing to the file, which is replaced where it stands.
-        let path = std::fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
+        let path = std::fs::canonicalize(path).unwrap_or_else(|_| behind_links(path));
         let existing = std::fs::metadata(&path).ok();
         if existing.as_ref().is_some_and(|m| m.is_dir()) {
             return Err(Error::new(format!("{name}: is a directory")).into());
@@ -107,6 +110,18 @@ impl Output {
         let file = builder.tempfile_in(directory).map_err(failed)?;
         signal::begun(file.path());
         Ok(Self { name, to: To::File(BufWriter::with_capacity(1 << 16, file), path) })
+    }
+
+    /// Errors if a file that is to be written later could not be, so that long work is not done for nothing. What is there stays as it is; a
+    /// pipe or a device is not tried, since whoever reads it would take the trial for the whole.
+    pub fn possible(path: &Path) -> Outcome<()> {
+        if std::fs::metadata(path).is_ok_and(|m| !m.is_file() && !m.is_dir()) {
+            return Ok(());
+        }
+        if let To::File(writer, _) = &Self::create(Some(path))?.to {
+            signal::ended(writer.get_ref().path());
+        }
+        Ok(())
     }
 
     /// Writes these bytes and no others to the file, or to standard output if there is none or its name is `-`.
@@ -158,6 +173,16 @@ impl Output {
     }
 }
 
+/// What a link that leads to no file yet stands for; any other path as it is.
+fn behind_links(path: &Path) -> PathBuf {
+    let mut path = path.to_path_buf();
+    for _ in 0..LINKS {
+        let Some(to) = std::fs::read_link(&path).ok().filter(|_| !path.exists()) else { break };
+        path = path.parent().unwrap_or(Path::new("")).join(to);
+    }
+    path
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -194,11 +219,30 @@ mod tests {
         output.write(b"new").unwrap();
         output.finish().unwrap();
         assert!(link.is_symlink() && std::fs::read(&path).unwrap() == b"new");
+        // So does one to a file that is not there yet, by way of another one.
+        let (far, near) = (directory.path().join("far"), directory.path().join("near"));
+        std::os::unix::fs::symlink("near", &far).unwrap();
+        std::os::unix::fs::symlink("later", &near).unwrap();
+        Output::whole(Some(&far), b"first").unwrap();
+        assert!(far.is_symlink() && near.is_symlink() && std::fs::read(directory.path().join("later")).unwrap() == b"first");
         if Path::new("/dev/full").exists() {
             let mut output = Output::create(Some(Path::new("/dev/full"))).unwrap();
             output.write(b"text").unwrap();
             assert!(matches!(output.finish(), Err(Stop::Failed(e)) if e.message == "/dev/full: no space left on device"));
         }
+    }
+
+    #[test]
+    fn what_could_not_be_written_is_said_before_and_what_could_is_left_alone() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("file");
+        std::fs::write(&path, "old").unwrap();
+        for could in [&path, &directory.path().join("new"), Path::new("-"), Path::new("/dev/null")] {
+            Output::possible(could).unwrap();
+        }
+        assert!(Output::possible(&directory.path().join("no/such")).is_err() && Output::possible(directory.path()).is_err());
+        assert_eq!(std::fs::read(&path).unwrap(), b"old");
+        assert_eq!(std::fs::read_dir(&directory).unwrap().count(), 1);
     }
 
     #[test]

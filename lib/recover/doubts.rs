@@ -8,6 +8,7 @@ use super::Blur;
 use super::sheet::COMMON;
 use crate::anneal::Parameter;
 use crate::anneal::linear::Symmetric;
+use crate::render::WIDEST;
 use crate::unknown::{EXPOSURES, Unknown};
 
 /// What is known of the errors of some values.
@@ -119,14 +120,14 @@ pub fn judge(unknown: &Unknown, values: &[f64], known: &Known) -> Judgement {
     }
     if let Some(blur) = known.blur.filter(Blur::is_sure) {
         let (how, passes) = if blur.more > 0.0 { ("more", "rougher") } else { ("less", "smoother") };
-        doubts.insert(
-            0,
-            format!(
-                "the picture is {how} blurred than its pixels are taken to be, and things seem {passes} by that: a filter of radius {:.2} makes \
-                 such pixels (pfilt -r); --filter auto reckons with it",
-                blur.radius().0
-            ),
-        );
+        let radius = blur.radius().0;
+        let cause = if radius <= WIDEST {
+            format!("a filter of radius {radius:.2} makes such pixels (pfilt -r); --filter auto reckons with it")
+        } else {
+            "no filter blurs so much; the view, the shape or the light may not be those of the photograph".into()
+        };
+        doubts
+            .insert(0, format!("the picture is {how} blurred than its pixels are taken to be, and things seem {passes} by that: {cause}"));
     }
     let errors = (0..n).map(|i| if plain(i) { seen.at(i, i).max(0.0).sqrt() } else { whole.at(i, i).sqrt() * units[i] }).collect();
     let alike = seen.correlations();
@@ -261,6 +262,20 @@ mod tests {
         let [doubt] = &found.doubts[..] else { panic!("{:?}", found.doubts) };
         assert!(doubt.starts_with("whole areas of the picture are 3 % brighter or darker than any noise explains: "), "{doubt}");
         assert!(doubt.ends_with("could move red by 0.02, green by 0.02, blue by 0.02, spec by 0.02 and rough by 0.008"), "{doubt}");
+    }
+
+    #[test]
+    fn no_filter_is_named_that_there_is_not() {
+        let said = |more: f64| {
+            let document = Document::parse(Source::new("m.rad", "void glass m 0 0 3 .6 .4 .2")).unwrap();
+            let unknown = Unknown::new(document, &Wishes::default()).unwrap();
+            let blur = Some(Blur { taken: 0.0, sought: false, more, error: 1e-3 });
+            let covariance = Symmetric::of(3, |i, j| 1e-6 * f64::from(i == j));
+            judge(&unknown, &[0.6, 0.4, 0.2], &Known { covariance, common: None, misfit: 0.0, blur }).doubts.remove(0)
+        };
+        assert!(said(1.0).contains("a filter of radius"), "{}", said(1.0));
+        let far = said(1e6);
+        assert!(far.contains("no filter blurs so much; the view, the shape or the light") && !far.contains("radius"), "{far}");
     }
 
     #[test]

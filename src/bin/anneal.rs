@@ -22,7 +22,10 @@ fn main() -> ExitCode {
 
 fn run(arguments: Arguments, console: &Console) -> Outcome<Answer> {
     let output = arguments.common.output.as_deref();
-    match arguments.job()? {
+    let job = arguments.job()?;
+    let files = [output, arguments.search.state.as_deref(), arguments.search.report.as_deref()];
+    files.into_iter().flatten().try_for_each(Output::possible)?;
+    match job {
         Job::Search(start) => search(&start, &arguments, console),
         Job::Propose(state, start) => {
             let search = match start {

@@ -1,6 +1,6 @@
 //! rtrace-rs: renders RADIANCE scenes, with environment maps as light.
 
-use inverad::args::rtrace::{Arguments, FEATURES, defaults, explain, modifiers};
+use inverad::args::rtrace::{Arguments, FEATURES, defaults, explain};
 use inverad::cal;
 use inverad::cli::rays::{Stream, answer};
 use inverad::cli::{self, Answer, Console, Disk, Outcome, Output, film, interrupted};
@@ -26,6 +26,8 @@ fn run(args: Arguments, console: &Console) -> Outcome<Answer> {
         let text = if args.features { FEATURES.into() } else { defaults(&args) };
         return Output::whole(None, text.as_bytes()).map(|()| Answer::Yes);
     }
+    args.possible()?;
+    args.files().try_for_each(Output::possible)?;
     if args.merge {
         return film::merge(&args).map(|()| Answer::Yes);
     }
@@ -38,7 +40,6 @@ fn run(args: Arguments, console: &Console) -> Outcome<Answer> {
     let disk = Disk::new(args.scene_options.commands, cal::shipped, console);
     let list = |file: &str| cli::list(&disk, file);
     let rules = args.light.rules(&list)?;
-    args.picture.possible()?;
     if args.view.words.is_empty() { rays(&args, &rules, &disk, &list, console) } else { picture(&args, &rules, &disk, start, console) }
 }
 
@@ -59,21 +60,12 @@ fn world(args: &Arguments, rules: &Rules, disk: &Disk, console: &Console) -> Out
 /// Answers the rays on standard input.
 fn rays(args: &Arguments, rules: &Rules, disk: &Disk, list: &dyn Fn(&str) -> Result<Vec<String>>, console: &Console) -> Outcome<Answer> {
     let options = &args.rays;
-    if args.accuracy.samples.is_some() {
-        return Err(Error::new("--samples is for pictures: give a view (-vf FILE, -vp …)").into());
-    }
     if args.scenes().iter().any(|name| name == "-") {
         return Err(Error::new("standard input holds the rays; name the files of the scene, or give a view (-vf FILE, -vp …)").into());
     }
     let format = Format::of(options.format.as_deref().unwrap_or("a"))?;
     let mut fields = Fields::of(options.specifiers.as_deref().unwrap_or("v"), format.output)?;
-    fields.among =
-        match (modifiers(&options.exclude, &options.exclude_files, list)?, modifiers(&options.include, &options.include_files, list)?) {
-            (Some(_), Some(_)) => {
-                return Err(Error::new("-te and -ti exclude each other: give either what is told of or what is not").into());
-            }
-            (excluded, included) => excluded.map(|names| (false, names)).or(included.map(|names| (true, names))),
-        };
+    fields.among = options.among(list)?;
     let world = world(args, rules, disk, console)?;
     let teller = Teller {
         world: &world,
@@ -122,6 +114,9 @@ fn picture(args: &Arguments, rules: &Rules, disk: &Disk, start: Instant, console
     };
     let header = film::header(console.trail(), &view, &film);
     let output = args.common.output.as_deref();
+    if let Some(path) = &options.z {
+        Output::whole(Some(path), &film::depths(&lengths(&task)))?;
+    }
     if let Some(name) = &options.coverage {
         let materials: Vec<MaterialId> = (0..world.materials().len()).filter(|&m| world.materials()[m].name == *name).collect();
         if materials.is_empty() {
@@ -130,14 +125,12 @@ fn picture(args: &Arguments, rules: &Rules, disk: &Disk, start: Instant, console
         let covered = film::picture(size, header, coverage(&task, &materials).into_iter().map(Vec3::splat));
         return film::write(&covered, output, options.exr).map(|()| Answer::Yes);
     }
-    if let Some(path) = &options.z {
-        Output::whole(Some(path), &film::depths(&lengths(&task)))?;
-    }
     let rendering = render(&task, &stop, &mut |so_far| {
-        console.progress(|| format!("{:.0} samples a pixel, error {:.2} %", so_far.samples(), 100.0 * so_far.noise()));
+        console.progress(|| film::reached(so_far));
     });
+    let interrupted = stop();
     if let Some(range) = &args.accuracy.samples {
-        if stop() {
+        if interrupted {
             return Err(Error::new("interrupted: a part of the samples of a part is of no use").into());
         }
         let planes = part(film.width, film.height, header, range, &rendering);
@@ -146,5 +139,10 @@ fn picture(args: &Arguments, rules: &Rules, disk: &Disk, start: Instant, console
     if let (Some(names), Some([_, path])) = (aovs, options.aov.as_deref()) {
         Output::whole(Some(path.as_ref()), &film::features(&film, &header, &names, &features(&task, &rendering))?)?;
     }
-    film::finish(args, size, header, &rendering).map(|()| Answer::Yes)
+    film::finish(args, size, header, &rendering)?;
+    if interrupted {
+        console.note(&format!("interrupted at {}; the picture is the best so far", film::reached(&rendering)));
+        return Ok(Answer::No);
+    }
+    Ok(Answer::Yes)
 }

@@ -18,8 +18,9 @@ pub struct Accuracy {
     #[arg(long, value_name = "N")]
     pub spp: Option<u32>,
 
-    /// Of --spp, only the samples from A on and before B; keeps their sums (OpenEXR), for --merge
-    #[arg(long, value_name = "A..B", value_parser = samples)]
+    /// Of each pixel only the samples from number A on and before B; keeps their sums (OpenEXR). --merge makes of 0..8 and 8..16 what
+    /// --spp 16 gives
+    #[arg(long, value_name = "A..B", value_parser = samples, conflicts_with_all = ["variance", "aov", "coverage", "xyz"])]
     pub samples: Option<Range<u32>>,
 
     /// The best picture in this many seconds
