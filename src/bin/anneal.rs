@@ -21,8 +21,7 @@ fn main() -> ExitCode {
 }
 
 fn run(arguments: Arguments, console: &Console) -> Outcome<Answer> {
-    let output = arguments.common.output.as_deref();
-    let job = arguments.job()?;
+    let (output, job) = (arguments.common.output.as_deref(), arguments.job()?);
     let files = [output, arguments.search.state.as_deref(), arguments.search.report.as_deref()];
     files.into_iter().flatten().try_for_each(Output::possible)?;
     match job {
