@@ -296,6 +296,7 @@ impl<const L: usize> Tagging<'_, L> {
         if !delta.reflected {
             return self.met(beta, surface, Part::SpecularTransmission, |_| f32x8::ONE);
         }
+        // RADIANCE leaves the Fresnel term of a patterned metal white; that is not told apart here.
         let known = if unknown.metal { term.known * *pattern } else { term.known };
         Some(match unknown.monomials.times(term.monomial, Part::SpecularReflection) {
             Some(monomial) => {
