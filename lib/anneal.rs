@@ -168,9 +168,8 @@ impl Annealer {
     /// A search that has not begun. Fails if there is nothing to search for or a bound is not a number.
     pub fn new(parameters: Vec<Parameter>, mut options: Options) -> Result<Self> {
         let wrong = |p: &Parameter| Error::new(format!("{}: bounds {}:{} with start {} make no sense", p.name, p.low, p.high, p.start));
-        if let Some(p) =
-            parameters.iter().find(|p| !(p.low < p.high && (p.low..=p.high).contains(&p.start) && (p.high - p.low).is_finite()))
-        {
+        let sound = |p: &Parameter| p.low < p.high && (p.low..=p.high).contains(&p.start) && (p.high - p.low).is_finite();
+        if let Some(p) = parameters.iter().find(|p| !sound(p)) {
             return Err(wrong(p));
         }
         let count = parameters.len();
@@ -399,19 +398,20 @@ impl Annealer {
             .filter(|t| t.stage == self.stage && t.chi2 < f64::MAX)
             .map(|t| Seen { at: self.unit(&t.values), value: t.chi2, weight: t.weight() })
             .collect();
-        let mut polish = self.polish.take().unwrap_or_else(|| Polish::about(&seen, self.parameters.len()));
-        let next = polish.next(&seen, random);
-        let minimum = polish.minimum();
+        let measured = self.answer.is_some_and(|answer| answer + 1 == self.trials.len());
+        // Where values repeat, a minimum that is none when it is measured shows the quadratic to be wrong: begin anew about the lowest.
+        let wrong = |(a, c): (usize, usize)| self.trials[a].chi2 - self.trials[c].chi2 > LUCK.1 * self.trials[c].chi2.abs();
+        let astray = measured && self.exact == Some(true) && self.answer.zip(self.lowest(self.stage, 1)).is_some_and(wrong);
+        let mut polish = self.polish.take().filter(|_| !astray).unwrap_or_else(|| Polish::about(&seen, self.parameters.len()));
+        let (next, minimum) = (polish.next(&seen, random), polish.minimum());
         self.polish = Some(polish);
         let tight = self.options.tolerance.is_some_and(|t| self.standard_errors().is_some_and(|errors| errors.iter().all(|&e| e < t)));
-        let measured = self.answer.is_some_and(|answer| answer + 1 == self.trials.len());
         if next.is_none() || (tight && measured) {
             self.end = Some(if tight { End::Tolerance } else { End::Converged });
             return None;
         }
         // The answer is to be measured itself: before the tolerance ends the search, and with the last evaluation.
-        let last = tight || self.told + 1 >= self.options.steps;
-        let unit = if last { minimum.or(next) } else { next };
+        let unit = if tight || self.told + 1 >= self.options.steps { minimum.or(next) } else { next };
         unit.map(|unit| Next { values: self.values(&unit), purpose: Purpose::Polish })
     }
 
