@@ -223,7 +223,7 @@ impl Unknown {
     }
 
     /// The same with its parameter at `slot` not below `low`.
-    pub fn from(&self, slot: usize, low: f64) -> Self {
+    pub fn at_least(&self, slot: usize, low: f64) -> Self {
         let mut bounded = self.clone();
         let parameter = &mut bounded.parameters[slot];
         (parameter.low, parameter.start) = (parameter.low.max(low), parameter.start.max(low));

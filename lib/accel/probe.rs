@@ -57,8 +57,7 @@ impl<'a> Probe<'a> {
     /// The probe for the part of the ray between the distances, or `None` when it misses the bounds.
     #[inline(always)]
     pub fn new(space: &'a Space, ray: &'a Ray, t_min: f64, t_max: f64) -> Option<Self> {
-        let unit = space.unit;
-        let lead = f64::from(LEAD) * unit;
+        let lead = f64::from(LEAD) * space.unit;
         let (o, d) = (ray.origin.to_array(), ray.direction.to_array());
         // A huge number stands for infinity, without ever making 0 · ∞: boxes are padded.
         let invert = |d: f64| 1.0 / if d.abs() < 1e-18 { 1e-18f64.copysign(d) } else { d };

@@ -55,7 +55,10 @@ pub fn coefficients(kind: Kind, monomials: &Monomials, grid: &Grid, a: &[f64]) -
     let mut parts = parts(kind, a);
     let nodes = match kind.polished {
         true => std::mem::replace(&mut parts[2], [1.0; 3]).map(|reflectance| cubic(&grid[0], reflectance)),
-        false => [(); 3].map(|()| nodes(kind, grid, &a[4..if kind.anisotropic { 6 } else { 5 }])),
+        false => {
+            let nodes = nodes(kind, grid, &a[4..if kind.anisotropic { 6 } else { 5 }]);
+            [nodes.clone(), nodes.clone(), nodes]
+        }
     };
     std::array::from_fn(|c| {
         let product = |m: usize| monomials.exponents[m].iter().zip(parts).map(|(&e, p)| p[c].powi(e as i32)).product::<f64>();

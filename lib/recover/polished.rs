@@ -58,7 +58,7 @@ fn polished(unknown: &Unknown, kind: Kind, found: &Recovery) -> Option<(Option<u
         }
     }?;
     let mirror = match mirror.slots()[SPECULARITY] {
-        Some(slot) => (mirror.bounds()[slot].1 > FRESNEL_FROM).then(|| mirror.from(slot, FRESNEL_FROM)),
+        Some(slot) => (mirror.bounds()[slot].1 > FRESNEL_FROM).then(|| mirror.at_least(slot, FRESNEL_FROM)),
         None => (mirror.reals(&mirror.start())[SPECULARITY] >= FRESNEL_FROM).then_some(mirror),
     };
     Some((slots[ROUGHNESS], mirror?))

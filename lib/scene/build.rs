@@ -309,10 +309,13 @@ impl<'a> Builder<'a> {
     /// Adds a mixture to a chain, of materials as its end, of patterns and textures as a link; and tells through how many of them it leads.
     fn mixture(&mut self, chain: &mut Chain, primitive: &Rc<Primitive>, behind: Option<DefinitionId>, order: u32) -> Resolved<usize> {
         let coefficient = Mixture::compile(primitive, &mut self.sources)?.ok_or_else(|| Unresolved::Unsupported(unsupported(primitive)))?;
-        let (mut wrong, [fore, back]) = (None, [0, 1].map(|string| self.side(primitive, string, order)));
-        let (fore, back) = (self.first(&mut wrong, fore), self.first(&mut wrong, back));
-        wrong.map_or(Ok(()), Err)?;
-        let [Some(fore), Some(back)] = [fore, back] else { return Err(conflict(primitive).into()) };
+        let (fore, back) = match [0, 1].map(|string| self.side(primitive, string, order)) {
+            [Ok(fore), Ok(back)] => (fore, back),
+            [Err(error), other] | [other, Err(error)] => {
+                self.first(&mut Some(error.clone()), other);
+                return Err(error);
+            }
+        };
         let weight = 1 + self.weights[fore] + self.weights[back];
         let [a, b] = [fore, back].map(|side| &self.scene.chains[side]);
         if let (End::Void, End::Void) = (&a.end, &b.end) {
