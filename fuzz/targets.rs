@@ -224,12 +224,14 @@ pub fn arguments(data: &[u8]) {
 pub fn rays(data: &[u8]) {
     let Some((&form, stream)) = data.split_first() else { return };
     let mut reader = Reader::new(stream, [Form::Ascii, Form::Single, Form::Double][form as usize % 3]);
+    let mut rays = Vec::new();
     loop {
-        match reader.read() {
-            Ok(Some(ray)) => assert!(ray.iter().all(|v| v.is_finite()), "{ray:?}"),
-            Ok(None) => return,
+        match reader.read(&mut rays) {
+            Ok(true) => assert!(rays.iter().flatten().all(|v| v.is_finite()), "{:?}", rays.pop()),
+            Ok(false) => return,
             Err(error) => return shown(&[error]),
         }
+        rays.clear();
     }
 }
 

@@ -39,6 +39,9 @@ pub enum Answer {
     No,
 }
 
+/// How much stack a thread has, in bytes.
+const STACK: usize = 8 << 20;
+
 /// Why a program stops before its end.
 #[derive(Debug)]
 pub enum Stop {
@@ -58,7 +61,10 @@ impl From<Error> for Stop {
 }
 
 /// Runs a program from its command line to its exit status.
-pub fn main<A: clap::Parser + AsRef<Common>>(tool: &'static str, run: impl FnOnce(A, &Console) -> Outcome<Answer>) -> ExitCode {
+pub fn main<A: clap::Parser + AsRef<Common> + Send>(
+    tool: &'static str,
+    run: impl FnOnce(A, &Console) -> Outcome<Answer> + Send,
+) -> ExitCode {
     std::panic::set_hook(Box::new(move |info| {
         let _ = writeln!(io::stderr(), "{tool}: error: {}; this is a fault of the program, please report it", one_line(&info.to_string()));
         std::process::exit(2);
@@ -70,9 +76,10 @@ pub fn main<A: clap::Parser + AsRef<Common>>(tool: &'static str, run: impl FnOnc
             let common = arguments.as_ref();
             let console = Console::new(tool, common.quiet, common.progress, trail);
             let threads = common.threads.map_or(0, usize::from);
-            match rayon::ThreadPoolBuilder::new().num_threads(threads).build_global() {
+            match rayon::ThreadPoolBuilder::new().num_threads(threads).stack_size(STACK).build_global() {
                 Ok(()) => {
-                    let outcome = run(arguments, &console);
+                    // On one of the threads, which need not be woken then for every piece of work.
+                    let outcome = rayon::scope(|_| run(arguments, &console));
                     console.clear();
                     outcome
                 }

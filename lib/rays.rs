@@ -122,12 +122,36 @@ impl<R: BufRead> Reader<R> {
         Self { input, form, rays: 0 }
     }
 
-    /// The next ray; `None` at the end.
-    pub fn read(&mut self) -> Result<Option<[f64; 6]>> {
-        if let Some(ray) = self.ready() {
-            self.rays += 1;
-            return Ok(Some(ray));
+    /// Adds the next ray to those; false at the end.
+    #[inline]
+    pub fn read(&mut self, rays: &mut Vec<[f64; 6]>) -> Result<bool> {
+        if !self.ready(rays) {
+            match self.pieces()? {
+                Some(ray) => rays.push(ray),
+                None => return Ok(false),
+            }
         }
+        self.rays += 1;
+        Ok(true)
+    }
+
+    /// Adds a ray whose bytes are all there, as they mostly are; else its numbers come one by one.
+    #[inline]
+    fn ready(&mut self, rays: &mut Vec<[f64; 6]>) -> bool {
+        let Ok(bytes) = self.input.fill_buf() else { return false };
+        let ray = match self.form {
+            Form::Ascii => words(bytes),
+            Form::Double => bytes.as_chunks().0.first_chunk::<6>().map(|ray| (ray.map(f64::from_ne_bytes), size_of_val(ray))),
+            _ => bytes.as_chunks().0.first_chunk::<6>().map(|ray| (ray.map(|b| f32::from_ne_bytes(b) as f64), size_of_val(ray))),
+        };
+        let Some((ray, length)) = ray.filter(|(ray, _)| ray.iter().all(|number| number.is_finite())) else { return false };
+        rays.push(ray);
+        self.input.consume(length);
+        true
+    }
+
+    /// The next ray, number by number; `None` at the end.
+    fn pieces(&mut self) -> Result<Option<[f64; 6]>> {
         let mut ray = [0.0; 6];
         for (i, value) in ray.iter_mut().enumerate() {
             *value = match self.number()? {
@@ -136,22 +160,7 @@ impl<R: BufRead> Reader<R> {
                 None => return Err(Error::new(format!("{}: the input ends after {i} of its 6 numbers", self.place()))),
             };
         }
-        self.rays += 1;
         Ok(Some(ray))
-    }
-
-    /// A ray whose bytes are all there, as they mostly are; else its numbers come one by one.
-    fn ready(&mut self) -> Option<[f64; 6]> {
-        let bytes = self.input.fill_buf().ok()?;
-        let (ray, length) = match self.form {
-            Form::Ascii => words(bytes)?,
-            Form::Double => (bytes.as_chunks().0.first_chunk::<6>()?.map(f64::from_ne_bytes), 6 * size_of::<f64>()),
-            _ => (bytes.as_chunks().0.first_chunk::<6>()?.map(|b| f32::from_ne_bytes(b) as f64), 6 * size_of::<f32>()),
-        };
-        ray.iter().all(|number| number.is_finite()).then(|| {
-            self.input.consume(length);
-            ray
-        })
     }
 
     fn place(&self) -> String {
@@ -232,9 +241,7 @@ mod tests {
         let single: Vec<u8> = rays.iter().flatten().flat_map(|&v| (v as f32).to_ne_bytes()).collect();
         let double: Vec<u8> = rays.iter().flatten().flat_map(|v| v.to_ne_bytes()).collect();
         for (bytes, form) in [(text.as_bytes(), Form::Ascii), (&single, Form::Single), (&double, Form::Double)] {
-            let mut reader = Reader::new(bytes, form);
-            assert_eq!([reader.read().unwrap().unwrap(), reader.read().unwrap().unwrap()], rays);
-            assert_eq!(reader.read().unwrap(), None);
+            assert_eq!(read(Reader::new(bytes, form)).unwrap(), rays);
         }
     }
 
@@ -243,16 +250,19 @@ mod tests {
         let text = "0 -1.5\t2e0\r\n.25 0 -1\n\n1 1 1 1 1 1 ";
         let single: Vec<u8> = (0..12).flat_map(|v| (v as f32).to_ne_bytes()).collect();
         for (bytes, form) in [(text.as_bytes(), Form::Ascii), (&single, Form::Single)] {
-            let whole: Vec<[f64; 6]> = rays(Reader::new(bytes, form));
+            let whole = read(Reader::new(bytes, form)).unwrap();
             assert_eq!(whole.len(), 2);
             for size in 1..bytes.len() {
-                assert_eq!(rays(Reader::new(std::io::BufReader::with_capacity(size, bytes), form)), whole, "{size}");
+                let pieces = std::io::BufReader::with_capacity(size, bytes);
+                assert_eq!(read(Reader::new(pieces, form)).unwrap(), whole, "{size}");
             }
         }
     }
 
-    fn rays(mut reader: Reader<impl BufRead>) -> Vec<[f64; 6]> {
-        std::iter::from_fn(|| reader.read().unwrap()).collect()
+    fn read(mut reader: Reader<impl BufRead>) -> Result<Vec<[f64; 6]>> {
+        let mut rays = Vec::new();
+        while reader.read(&mut rays)? {}
+        Ok(rays)
     }
 
     #[test]
@@ -262,8 +272,7 @@ mod tests {
             ("0 0 x", "<stdin>: ray 1: `x` is not a number"),
             ("nan", "`nan` is not a number"),
         ] {
-            let mut reader = Reader::new(text.as_bytes(), Form::Ascii);
-            let error = std::iter::from_fn(|| Some(reader.read())).find_map(Result::err).unwrap();
+            let error = read(Reader::new(text.as_bytes(), Form::Ascii)).unwrap_err();
             assert!(error.message.contains(wanted), "{}", error.message);
         }
     }

@@ -9,7 +9,7 @@ use std::io::{self, BufReader};
 use std::path::Path;
 
 /// How many rays are answered together where nothing else says so.
-const BATCH: usize = 4096;
+const BATCH: usize = 8192;
 /// How many bytes of rays are read at a time.
 const CHUNK: usize = 1 << 16;
 
@@ -40,21 +40,18 @@ pub fn answer(mut teller: Teller, stream: &Stream, console: &Console) -> Outcome
     };
     let mut reader = Reader::new(BufReader::with_capacity(CHUNK, io::stdin().lock()), teller.format.input);
     let mut number = 0;
-    let mut last = Asked::new([0.0; 6]);
+    let mut last = [0.0; 6];
     let all = if let Budget::Time(_) = teller.budget { usize::MAX } else { BATCH };
     let mut trouble = None;
-    let mut batch = Vec::new();
+    let mut batch: Vec<[f64; 6]> = Vec::new();
     while left != Some(0) && trouble.is_none() {
         let most = (if flushed { stream.x } else { all }).min(left.unwrap_or(u64::MAX).try_into().unwrap_or(usize::MAX));
         let mut at_once = false;
         batch.clear();
         while batch.len() < most && !at_once {
-            match reader.read() {
-                Ok(Some(ray)) => {
-                    at_once = ray[3..] == [0.0; 3];
-                    batch.push(Asked::new(ray));
-                }
-                Ok(None) => break,
+            match reader.read(&mut batch) {
+                Ok(true) => at_once = batch.last().is_some_and(|ray| ray[3..] == [0.0; 3]),
+                Ok(false) => break,
                 Err(error) => {
                     trouble = Some(error);
                     break;
@@ -68,18 +65,20 @@ pub fn answer(mut teller: Teller, stream: &Stream, console: &Console) -> Outcome
             *time = time.mul_f64(rayon::current_num_threads().min(batch.len()) as f64 / batch.len() as f64);
         }
         let rays = &batch[..batch.len() - at_once as usize];
-        let records = rays.par_iter().enumerate().fold(
-            || teller.writer(),
-            |mut writer, (i, ray)| {
-                teller.tell(ray, number + i as u64, &mut writer);
-                writer
-            },
-        );
-        records.map(|writer| writer.bytes).collect::<Vec<_>>().iter().try_for_each(|records| output.write(records))?;
+        let share = rays.len().div_ceil(4 * rayon::current_num_threads()).max(1);
+        let records = rays.par_chunks(share).enumerate().map(|(part, rays)| {
+            let mut writer = teller.writer();
+            let rays: Vec<Asked> = rays.iter().map(|&ray| Asked::new(ray)).collect();
+            for (ray, number) in rays.iter().zip(number + (part * share) as u64..) {
+                teller.tell(ray, number, &mut writer);
+            }
+            writer.bytes
+        });
+        records.collect::<Vec<_>>().iter().try_for_each(|records| output.write(records))?;
         last = *rays.last().unwrap_or(&last);
         if at_once {
             let mut writer = teller.writer();
-            teller.empty(&last, &mut writer);
+            teller.empty(&Asked::new(last), &mut writer);
             output.write(&writer.bytes)?;
         }
         number += batch.len() as u64;

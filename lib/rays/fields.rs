@@ -113,6 +113,11 @@ impl Fields {
         self.ray.iter().any(|f| matches!(f, Length | Local | Point | Normal | Unperturbed | Surface | Modifier | Material))
     }
 
+    /// Whether more of what the ray meets first must be known than where it is.
+    pub fn needs_known(&self) -> bool {
+        self.ray.iter().any(|f| matches!(f, Field::Normal | Field::Unperturbed | Field::Surface | Field::Modifier | Field::Material))
+    }
+
     /// Whether what a surface is made of must be looked at.
     pub fn needs_layers(&self) -> bool {
         self.ray.iter().any(|f| matches!(f, Field::Normal | Field::Local))

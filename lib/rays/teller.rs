@@ -1,7 +1,7 @@
 //! The record of a ray: what it meets, and the light that it brings.
 
 use super::fields::{Field, Fields, Space, Writer};
-use super::tree::{FAR, Fate, Met, Tree, met, nothing};
+use super::tree::{FAR, Fate, Met, Tree, nothing};
 use super::{Asked, Form, Format};
 use crate::color::Rgb;
 use crate::geometry::Ray;
@@ -51,7 +51,7 @@ impl Asked {
 struct Record<'a, 'w> {
     ray: &'a Ray,
     met: &'a Met<'w>,
-    fate: Fate,
+    fate: &'a Fate,
     weight: f64,
     coefficient: Rgb,
     contribution: Rgb,
@@ -75,21 +75,28 @@ impl<'w> Teller<'w> {
         if !self.fields.every.is_empty() {
             return self.every(ray, limit, number, writer);
         }
-        let met = &if self.fields.needs_first() { self.first(ray, limit) } else { nothing(ray) };
+        let mut met = nothing(ray);
+        if self.fields.needs_first() {
+            self.first(ray, limit, &mut met);
+        }
+        let found;
         let fate = if self.fields.needs_branches() {
-            self.branches(ray, limit, number)
+            found = self.branches(ray, limit, number);
+            &found
         } else if self.fields.needs_light() {
-            Fate { light: self.light(number, |integrator, light, sampler| integrator.trace(light, *ray, limit, sampler)), ..DARK }
+            let light = self.light(number, |integrator, light, sampler| integrator.trace(light, *ray, limit, sampler));
+            found = Fate { light, ..DARK };
+            &found
         } else {
-            DARK
+            &DARK
         };
-        self.write(writer, &self.fields.ray, &whole(ray, met, fate));
+        self.write(writer, &self.fields.ray, &whole(ray, &met, fate));
     }
 
     /// Writes the record that answers a ray without direction: that of a ray like the one before it, which met nothing.
     pub fn empty(&self, before: &Asked, writer: &mut Writer) {
         let ray = if self.irradiance { before.facing().1 } else { before.ray };
-        self.write(writer, &self.fields.ray, &whole(&ray, &nothing(&ray), DARK));
+        self.write(writer, &self.fields.ray, &whole(&ray, &nothing(&ray), &DARK));
     }
 
     /// Writes the record of the irradiance at a point on the side of a direction.
@@ -98,7 +105,7 @@ impl<'w> Teller<'w> {
         let light = self.light(number, |integrator, light, sampler| integrator.irradiance(light, point, asked.ray.direction, sampler));
         let met = Met { point, length: BEFORE, ..nothing(&ray) };
         let fate = Fate { light, unmirrored_length: BEFORE, ..DARK };
-        self.write(writer, &self.fields.ray, &whole(&ray, &met, fate));
+        self.write(writer, &self.fields.ray, &whole(&ray, &met, &fate));
     }
 
     /// The light that a ray brings, by way of mirrors and without, and how long these ways are.
@@ -126,10 +133,10 @@ impl<'w> Teller<'w> {
         pixel.mean()
     }
 
-    /// What a ray meets first.
-    fn first(&self, ray: &Ray, limit: f64) -> Met<'w> {
+    /// Finds what a ray meets first.
+    fn first(&self, ray: &Ray, limit: f64, first: &mut Met<'w>) {
         let hit = self.world.nearest(ray, limit);
-        let mut first = met(self.world, ray, hit.as_ref(), limit);
+        first.meet(self.world, ray, hit.as_ref(), limit, self.fields.needs_known());
         if let Some(hit) = hit.as_ref().filter(|_| self.fields.needs_layers()) {
             let coming = Coming::viewer(ray);
             let mut share = 0.0;
@@ -140,7 +147,6 @@ impl<'w> Teller<'w> {
                 }
             });
         }
-        first
     }
 
     /// Writes the records of all rays that a ray leads to, sample by sample, each before the one that it comes from; its own at last.
@@ -155,9 +161,8 @@ impl<'w> Teller<'w> {
             sum += tree.sum();
             if index + 1 == samples || !outcome.random {
                 let light = if outcome.random { sum / samples as f64 } else { tree.sum() };
-                let own = record(&tree, 0);
-                let fate = Fate { light, ..own.fate };
-                return self.write(writer, &self.fields.ray, &Record { fate, contribution: light, ..own });
+                let fate = Fate { light, ..own(&tree, 0).0 };
+                return self.write(writer, &self.fields.ray, &record(&tree, 0, &(fate, light)));
             }
         }
     }
@@ -171,7 +176,7 @@ impl<'w> Teller<'w> {
         }
         // Tabs are written in every form.
         writer.bytes.extend(std::iter::repeat_n(b'\t', level));
-        self.write(writer, &self.fields.every, &record(tree, node));
+        self.write(writer, &self.fields.every, &record(tree, node, &own(tree, node)));
     }
 
     fn write(&self, writer: &mut Writer, fields: &[Field], record: &Record) {
@@ -195,7 +200,7 @@ impl<'w> Teller<'w> {
                 Field::Material => writer.name(met.names.map_or("*", |n| n.material)),
                 Field::Mirrored => writer.color(fate.mirrored),
                 Field::MirroredLength => writer.numbers(&[fate.mirrored_length]),
-                Field::Unmirrored => writer.color(fate.light - fate.mirrored),
+                Field::Unmirrored => writer.color(fate.unmirrored()),
                 Field::UnmirroredLength => writer.numbers(&[fate.unmirrored_length]),
                 Field::Tilde => writer.name("~"),
             }
@@ -222,21 +227,20 @@ pub fn lengths(task: &Task) -> Vec<f64> {
 const DARK: Fate = Fate { light: Rgb::ZERO, mirrored: Rgb::ZERO, mirrored_length: FAR, unmirrored_length: FAR };
 
 /// The record of a ray that was asked about.
-fn whole<'a, 'w>(ray: &'a Ray, met: &'a Met<'w>, fate: Fate) -> Record<'a, 'w> {
+fn whole<'a, 'w>(ray: &'a Ray, met: &'a Met<'w>, fate: &'a Fate) -> Record<'a, 'w> {
     Record { ray, met, fate, weight: 1.0, coefficient: Rgb::ONE, contribution: fate.light }
 }
 
-/// The record of a ray in a tree: its light is what it brings, its contribution what that comes to at the viewer.
-fn record<'a, 'w>(tree: &'a Tree<'w>, node: usize) -> Record<'a, 'w> {
-    let (fate, at) = (tree.fate(node), &tree.nodes[node]);
-    let own = |light: Rgb| Rgb::select(at.coefficient.cmpeq(Rgb::ZERO), Rgb::ZERO, light / at.coefficient);
+/// What becomes of a ray in a tree by itself, and what its light comes to at the viewer.
+fn own(tree: &Tree, node: usize) -> (Fate, Rgb) {
+    let (fate, coefficient) = (tree.fate(node), tree.nodes[node].coefficient);
+    let own = |light: Rgb| Rgb::select(coefficient.cmpeq(Rgb::ZERO), Rgb::ZERO, light / coefficient);
+    (Fate { light: own(fate.light), mirrored: own(fate.mirrored), ..fate }, fate.light)
+}
+
+/// The record of a ray in a tree.
+fn record<'a, 'w>(tree: &'a Tree<'w>, node: usize, (fate, contribution): &'a (Fate, Rgb)) -> Record<'a, 'w> {
+    let at = &tree.nodes[node];
     let coefficient = if tree.missed(node) { Rgb::ZERO } else { at.coefficient };
-    Record {
-        ray: &at.ray,
-        met: &at.met,
-        contribution: fate.light,
-        fate: Fate { light: own(fate.light), mirrored: own(fate.mirrored), ..fate },
-        weight: at.weight,
-        coefficient,
-    }
+    Record { ray: &at.ray, met: &at.met, fate, weight: at.weight, coefficient, contribution: *contribution }
 }

@@ -1,5 +1,6 @@
 //! The rays that a ray leads to: what each met, what light it brought, how long it was.
 
+use crate::accel::Hit;
 use crate::bsdf::{Arriving, Bsdf, Delta, Part};
 use crate::color::{Rgb, bright};
 use crate::geometry::Ray;
@@ -52,7 +53,7 @@ pub struct Met<'w> {
     pub unperturbed: Vec3,
     /// Coordinates on the surface of a mesh.
     pub local: [f64; 2],
-    /// What it is called; `None` for nothing.
+    /// What it is called; `None` for nothing, and where nobody asks.
     pub names: Option<Names<'w>>,
 }
 
@@ -70,7 +71,14 @@ pub struct Fate {
 }
 
 impl Fate {
+    /// The light that came by no mirror.
+    #[inline(never)]
+    pub fn unmirrored(&self) -> Rgb {
+        self.light - self.mirrored
+    }
+
     /// The length of the way that brings more light.
+    #[inline(never)]
     pub fn effective(&self) -> f64 {
         if bright(self.mirrored) > 0.5 * bright(self.light) { self.mirrored_length } else { self.unmirrored_length }
     }
@@ -179,22 +187,30 @@ pub fn nothing<'w>(ray: &Ray) -> Met<'w> {
     Met { length: FAR, point: ray.origin, normal: Vec3::ZERO, unperturbed: Vec3::ZERO, local: [0.0; 2], names: None }
 }
 
-/// What a ray of the limit `limit` meets first; the normal is its own until a layer says otherwise.
-pub fn met<'w>(world: &'w World, ray: &Ray, hit: Option<&crate::accel::Hit>, limit: f64) -> Met<'w> {
-    match hit {
-        Some(hit) => {
-            let names = Some(world.names(hit));
-            Met { length: hit.t, point: hit.point, normal: hit.normal, unperturbed: hit.normal, names, local: [0.0; 2] }
+impl<'w> Met<'w> {
+    /// Takes in what a ray of the limit `limit` meets first; the normal is its own until a layer says otherwise. What is not to be
+    /// `known` gets no names, and no normal beyond all surfaces.
+    #[inline(always)]
+    pub fn meet(&mut self, world: &'w World, ray: &Ray, hit: Option<&Hit>, limit: f64, known: bool) {
+        match hit {
+            Some(hit) => {
+                (self.length, self.point) = (hit.t, hit.point);
+                (self.normal, self.unperturbed) = (hit.normal, hit.normal);
+                if known {
+                    self.names = Some(world.names(hit));
+                }
+            }
+            None if limit.is_finite() => self.point = ray.at(limit),
+            None if known => {
+                if let Some(names) = world.source_names(ray.direction) {
+                    (self.normal, self.unperturbed) = (-ray.direction, -ray.direction);
+                    self.names = Some(names);
+                }
+            }
+            None => {}
         }
-        None if limit.is_finite() => Met { point: ray.at(limit), ..nothing(ray) },
-        None => match world.source_names(ray.direction) {
-            Some(names) => Met { normal: -ray.direction, unperturbed: -ray.direction, names: Some(names), ..nothing(ray) },
-            None => nothing(ray),
-        },
     }
-}
 
-impl Met<'_> {
     /// Takes in what a layer says of the normal.
     pub fn see(&mut self, layer: &Layer) {
         let turns =
@@ -292,6 +308,8 @@ impl<'w> Transport for Tree<'w> {
         if let Some(parent) = self.nodes.get_mut(parent) {
             parent.children.push(beta.node);
         }
+        let mut met = nothing(visit.ray);
+        met.meet(self.world, visit.ray, visit.hit, visit.limit, true);
         self.nodes.push(Node {
             ray: *visit.ray,
             kind: visit.kind,
@@ -300,7 +318,7 @@ impl<'w> Transport for Tree<'w> {
             light: Rgb::ZERO,
             lit: false,
             shadow: visit.shadow,
-            met: met(self.world, visit.ray, visit.hit, visit.limit),
+            met,
             extends: [false; 2],
             share: 0.0,
             children: Vec::new(),
