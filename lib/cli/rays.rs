@@ -65,7 +65,7 @@ pub fn answer(mut teller: Teller, stream: &Stream, console: &Console) -> Outcome
             *time = time.mul_f64(rayon::current_num_threads().min(batch.len()) as f64 / batch.len() as f64);
         }
         let rays = &batch[..batch.len() - at_once as usize];
-        let share = rays.len().div_ceil(4 * rayon::current_num_threads()).max(1);
+        let share = rays.len().div_ceil(16 * rayon::current_num_threads()).max(1);
         let records = rays.par_chunks(share).enumerate().map(|(part, rays)| {
             let mut writer = teller.writer();
             let rays: Vec<Asked> = rays.iter().map(|&ray| Asked::new(ray)).collect();

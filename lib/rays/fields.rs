@@ -20,6 +20,37 @@ pub struct Fields {
     pub shadows: bool,
     /// The modifiers of what those rays must have met (true), or must not (false).
     pub among: Option<(bool, HashSet<String>)>,
+    /// What must be found out for the fields of the ray itself.
+    pub needs: Needs,
+}
+
+/// What must be found out to tell of a ray.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Needs {
+    /// What it meets first.
+    pub first: bool,
+    /// More of that than where it is.
+    pub known: bool,
+    /// What the surface there is made of.
+    pub layers: bool,
+    /// The light that it brings.
+    pub light: bool,
+    /// Mirrored and unmirrored light, told apart.
+    pub branches: bool,
+}
+
+impl Needs {
+    fn of(fields: &[Field]) -> Self {
+        use Field::*;
+        let any = |among: &[Field]| fields.iter().any(|f| among.contains(f));
+        Self {
+            first: any(&[Length, Local, Point, Normal, Unperturbed, Surface, Modifier, Material]),
+            known: any(&[Normal, Unperturbed, Surface, Modifier, Material]),
+            layers: any(&[Normal, Local]),
+            light: any(&[Value, Contribution]),
+            branches: any(&[Effective, Mirrored, MirroredLength, Unmirrored, UnmirroredLength]),
+        }
+    }
 }
 
 /// A field of a record.
@@ -70,57 +101,32 @@ pub enum Field {
 impl Fields {
     /// What the letters of `-o` mean, with answers in this form.
     pub fn of(letters: &str, output: Form) -> Result<Self> {
-        let mut fields = Self { ray: Vec::new(), every: Vec::new(), shadows: false, among: None };
-        let mut every = false;
+        let (mut ray, mut every, mut shadows) = (Vec::new(), None, false);
         for (i, letter) in letters.char_indices() {
             match letter {
                 't' | 'T' => {
-                    fields.shadows |= letter == 'T';
-                    every |= i + 1 < letters.len();
+                    shadows |= letter == 'T';
+                    if i + 1 < letters.len() {
+                        every.get_or_insert_default();
+                    }
                 }
                 _ => {
                     let Some(field) = Field::of(letter) else {
                         return Err(Error::new(format!("-o{letters}: there is no field `{letter}` (--help lists all)")));
                     };
-                    if every { &mut fields.every } else { &mut fields.ray }.push(field);
+                    every.as_mut().unwrap_or(&mut ray).push(field);
                 }
             }
         }
-        if fields.ray.is_empty() && fields.every.is_empty() {
+        let every = every.unwrap_or_default();
+        if ray.is_empty() && every.is_empty() {
             return Err(Error::new("-o: name at least one field, as in -ov"));
         }
         let color = |f: &Field| matches!(f, Field::Value | Field::Mirrored | Field::Unmirrored);
-        if output == Form::Color && !(fields.every.is_empty() && fields.ray.len() == 1 && color(&fields.ray[0])) {
+        if output == Form::Color && !(every.is_empty() && ray.len() == 1 && color(&ray[0])) {
             return Err(Error::new("answers are colours (-f…c) with -ov, -or or -ox alone; write numbers with -ff, -fd or -fa"));
         }
-        Ok(fields)
-    }
-
-    /// Whether light must be traced for the fields of the ray itself.
-    pub fn needs_light(&self) -> bool {
-        self.needs_branches() || self.ray.iter().any(|f| matches!(f, Field::Value | Field::Contribution))
-    }
-
-    /// Whether mirrored and unmirrored light must be told apart.
-    pub fn needs_branches(&self) -> bool {
-        use Field::*;
-        self.ray.iter().any(|f| matches!(f, Effective | Mirrored | MirroredLength | Unmirrored | UnmirroredLength))
-    }
-
-    /// Whether what the ray meets first must be found.
-    pub fn needs_first(&self) -> bool {
-        use Field::*;
-        self.ray.iter().any(|f| matches!(f, Length | Local | Point | Normal | Unperturbed | Surface | Modifier | Material))
-    }
-
-    /// Whether more of what the ray meets first must be known than where it is.
-    pub fn needs_known(&self) -> bool {
-        self.ray.iter().any(|f| matches!(f, Field::Normal | Field::Unperturbed | Field::Surface | Field::Modifier | Field::Material))
-    }
-
-    /// Whether what a surface is made of must be looked at.
-    pub fn needs_layers(&self) -> bool {
-        self.ray.iter().any(|f| matches!(f, Field::Normal | Field::Local))
+        Ok(Self { needs: Needs::of(&ray), ray, every, shadows, among: None })
     }
 
     /// Whether a ray that met this modifier, or nothing, is told of.

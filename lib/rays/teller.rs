@@ -76,14 +76,14 @@ impl<'w> Teller<'w> {
             return self.every(ray, limit, number, writer);
         }
         let mut met = nothing(ray);
-        if self.fields.needs_first() {
+        if self.fields.needs.first {
             self.first(ray, limit, &mut met);
         }
         let found;
-        let fate = if self.fields.needs_branches() {
+        let fate = if self.fields.needs.branches {
             found = self.branches(ray, limit, number);
             &found
-        } else if self.fields.needs_light() {
+        } else if self.fields.needs.light {
             let light = self.light(number, |integrator, light, sampler| integrator.trace(light, *ray, limit, sampler));
             found = Fate { light, ..DARK };
             &found
@@ -136,8 +136,8 @@ impl<'w> Teller<'w> {
     /// Finds what a ray meets first.
     fn first(&self, ray: &Ray, limit: f64, first: &mut Met<'w>) {
         let hit = self.world.nearest(ray, limit);
-        first.meet(self.world, ray, hit.as_ref(), limit, self.fields.needs_known());
-        if let Some(hit) = hit.as_ref().filter(|_| self.fields.needs_layers()) {
+        first.meet(self.world, ray, hit.as_ref(), limit, self.fields.needs.known);
+        if let Some(hit) = hit.as_ref().filter(|_| self.fields.needs.layers) {
             let coming = Coming::viewer(ray);
             let mut share = 0.0;
             self.world.layers(hit, &coming, self.rules, &mut |layer| {

@@ -71,13 +71,13 @@ pub struct Fate {
 }
 
 impl Fate {
-    /// The light that came by no mirror.
+    /// The light that came by no mirror. (Inlined, it would be reckoned for records that do not tell it.)
     #[inline(never)]
     pub fn unmirrored(&self) -> Rgb {
         self.light - self.mirrored
     }
 
-    /// The length of the way that brings more light.
+    /// The length of the way that brings more light. (Not inlined either.)
     #[inline(never)]
     pub fn effective(&self) -> f64 {
         if bright(self.mirrored) > 0.5 * bright(self.light) { self.mirrored_length } else { self.unmirrored_length }

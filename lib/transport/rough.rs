@@ -29,7 +29,8 @@ pub struct Monomials {
     pub exponents: Vec<[u8; 4]>,
     /// The first column of each product.
     offsets: Vec<usize>,
-    number: [u8; 256],
+    /// Which product each becomes with one more of a part.
+    next: Vec<[Option<u8>; 4]>,
     nodes: usize,
     columns: usize,
 }
@@ -37,36 +38,30 @@ pub struct Monomials {
 impl Monomials {
     /// All products for an unknown that transmits light or does not, with lobes at `nodes` roughnesses.
     pub fn new(transmits: bool, nodes: usize) -> Self {
-        let mut monomials = Self { exponents: Vec::new(), offsets: Vec::new(), number: [u8::MAX; 256], nodes, columns: 0 };
+        let mut monomials = Self { exponents: Vec::new(), offsets: Vec::new(), next: Vec::new(), nodes, columns: 0 };
         let most = |part: usize, left: usize| if part % 2 == 1 && !transmits { 0 } else { left };
         for a in 0..=ORDER {
             for b in 0..=most(1, ORDER - a) {
                 for c in 0..=ORDER - a - b {
                     for d in 0..=most(3, ORDER - a - b - c) {
-                        let exponents = [a as u8, b as u8, c as u8, d as u8];
-                        monomials.number[Self::key(exponents)] = monomials.exponents.len() as u8;
                         monomials.offsets.push(monomials.columns);
                         monomials.columns += if c + d > 0 { nodes } else { 1 };
-                        monomials.exponents.push(exponents);
+                        monomials.exponents.push([a as u8, b as u8, c as u8, d as u8]);
                     }
                 }
             }
         }
+        let with = |mut exponents: [u8; 4], part: usize| {
+            exponents[part] += 1;
+            monomials.exponents.iter().position(|e| *e == exponents).map(|m| m as u8)
+        };
+        monomials.next = monomials.exponents.iter().map(|&e| [0, 1, 2, 3].map(|part| with(e, part))).collect();
         monomials
-    }
-
-    fn key(e: [u8; 4]) -> usize {
-        e[0] as usize | (e[1] as usize) << 2 | (e[2] as usize) << 4 | (e[3] as usize) << 6
     }
 
     /// The product `m` times the coefficient of one more part; `None` beyond [`ORDER`].
     fn times(&self, m: u8, part: Part) -> Option<u8> {
-        let mut e = self.exponents[m as usize];
-        if e.iter().map(|&x| x as usize).sum::<usize>() == ORDER {
-            return None;
-        }
-        e[part as usize] += 1;
-        Some(self.number[Self::key(e)]).filter(|&n| n != u8::MAX)
+        self.next[m as usize][part as usize]
     }
 
     /// Whether a product's picture depends on the roughness.
@@ -185,6 +180,7 @@ impl Rough {
     }
 
     /// The product after one more part, and what else is to be multiplied with.
+    #[inline]
     fn meet(&self, monomial: u8, part: Part) -> Option<(u8, Rgb)> {
         match self.monomials.times(monomial, part) {
             Some(next) => Some((next, Rgb::ONE)),
