@@ -266,7 +266,7 @@ impl Task<'_> {
 
     /// Takes samples of each pixel until it has as many as are wanted, or it is all over.
     fn round(&self, pixels: &mut [Pixel], wanted: Wanted, over: &(dyn Fn() -> bool + Sync)) {
-        pixels.par_chunks_mut(CHUNK).enumerate().filter(|_| !over()).for_each(|(chunk, pixels)| {
+        pixels.par_chunks_mut(CHUNK).enumerate().with_max_len(1).filter(|_| !over()).for_each(|(chunk, pixels)| {
             let mut integrator = Integrator::new(self.world, self.rules);
             for (i, pixel) in pixels.iter_mut().enumerate().filter(|(_, p)| !p.exact) {
                 let number = chunk * CHUNK + i;

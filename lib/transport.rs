@@ -150,10 +150,10 @@ pub fn trace(world: &World, rules: &Rules, unknown: &Unknown, pixels: &Pixels, s
     let mut values = vec![0f32; pixels.numbers.len() * width];
     let mut variances = vec![[0.0; 3]; pixels.numbers.len() * sets];
     let mixture = pixels.picture.map(Mixture::new);
-    // Few pixels at a time: some take much longer than others.
+    // Few pixels at a time, and each few for themselves: some take much longer than others.
     let work = values.par_chunks_mut(width * 8).zip(variances.par_chunks_mut(sets * 8));
     let work = work.zip(pixels.numbers.par_chunks(8)).zip(pixels.samples.par_chunks(sets * 8));
-    work.for_each(|(((values, variances), numbers), samples)| {
+    work.with_max_len(1).for_each(|(((values, variances), numbers), samples)| {
         let sums = values.chunks_exact_mut(3 * columns).zip(variances).enumerate();
         let pieces = sums.map(|(i, (columns, variance))| Piece {
             number: numbers[i / sets],

@@ -66,7 +66,7 @@ pub fn answer(mut teller: Teller, stream: &Stream, console: &Console) -> Outcome
         }
         let rays = &batch[..batch.len() - at_once as usize];
         let share = rays.len().div_ceil(16 * rayon::current_num_threads()).max(1);
-        let records = rays.par_chunks(share).enumerate().map(|(part, rays)| {
+        let records = rays.par_chunks(share).enumerate().with_max_len(1).map(|(part, rays)| {
             let mut writer = teller.writer();
             let rays: Vec<Asked> = rays.iter().map(|&ray| Asked::new(ray)).collect();
             for (ray, number) in rays.iter().zip(number + (part * share) as u64..) {

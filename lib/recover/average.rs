@@ -109,7 +109,7 @@ impl Look<'_> {
             }
             best
         };
-        let candidates: Vec<Scores> = (0..range.len()).into_par_iter().map(best_with).collect();
+        let candidates: Vec<Scores> = (0..range.len()).into_par_iter().with_max_len(1).map(best_with).collect();
         let smallest = |of: &dyn Fn(usize) -> f64| (0..range.len()).min_by(|&a, &b| of(a).total_cmp(&of(b))).unwrap_or(0);
         let excess = |from: usize| -> Vec<f64> { candidates.iter().map(|other| candidates[from].excess(&other.place)).collect() };
         let mut best = smallest(&|i| range.values(i).map(|(slot, value)| (value - found.values[slot]).abs()).sum());

@@ -26,6 +26,7 @@ impl Gram {
         // Fixed pieces, summed in order: the same bytes for any number of threads.
         let pieces: Vec<Self> = (0..pixels.div_ceil(PIECE))
             .into_par_iter()
+            .with_max_len(1)
             .map(|piece| {
                 let mut sum = Self::zero(n);
                 for p in piece * PIECE..((piece + 1) * PIECE).min(pixels) {

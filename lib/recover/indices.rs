@@ -65,7 +65,7 @@ impl Search<'_> {
             // What is left to chance is the same for all.
             let seed = seeds.next();
             let at = |&index: &f64| self.at(index, &best, sheet, &places, samples, seed);
-            let found = indices.par_iter().map(at).collect::<Result<Vec<Point>>>()?;
+            let found = indices.par_iter().with_max_len(1).map(at).collect::<Result<Vec<Point>>>()?;
             let misfits: Vec<f64> = found.iter().map(|point| point.chi2).collect();
             let lowest = lowest(&misfits);
             best.clone_from(&found[lowest].values);

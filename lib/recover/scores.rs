@@ -83,7 +83,7 @@ impl<'a> Scores<'a> {
     pub fn new(sheet: &'a Sheet<'a>, weights: Weights, place: Place, bounds: &[(f64, f64)]) -> Self {
         let (derivatives, free) = (&place.derivatives, weights.free());
         let mut curvature = products(&free, derivatives, |_, _| 0.0).1;
-        let trust = derivatives.par_iter().map(|d| trust(sheet, &weights.halves, d)).collect();
+        let trust = derivatives.par_iter().with_max_len(1).map(|d| trust(sheet, &weights.halves, d)).collect();
         let prior = bounds.iter().map(|b| anywhere(*b).max(f64::MIN_POSITIVE).recip()).collect();
         let n = derivatives.len();
         let unknown = Symmetric::diagonal(&vec![f64::INFINITY; n]);
@@ -456,7 +456,7 @@ pub fn total(count: usize, width: usize, part: impl Fn(usize, &mut [f64]) + Sync
         (piece * PIECE..((piece + 1) * PIECE).min(count)).for_each(|p| part(p, &mut sums));
         sums
     };
-    let pieces: Vec<Vec<f64>> = (0..count.div_ceil(PIECE)).into_par_iter().map(piece).collect();
+    let pieces: Vec<Vec<f64>> = (0..count.div_ceil(PIECE)).into_par_iter().with_max_len(1).map(piece).collect();
     let mut sums = vec![0.0; width];
     pieces.iter().for_each(|piece| sums.iter_mut().zip(piece).for_each(|(sum, piece)| *sum += piece));
     sums
