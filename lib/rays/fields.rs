@@ -43,10 +43,12 @@ impl Needs {
     fn of(fields: &[Field]) -> Self {
         use Field::*;
         let any = |among: &[Field]| fields.iter().any(|f| among.contains(f));
+        let known = any(&[Normal, Unperturbed, Surface, Modifier, Material]);
+        let layers = any(&[Normal, Local]);
         Self {
-            first: any(&[Length, Local, Point, Normal, Unperturbed, Surface, Modifier, Material]),
-            known: any(&[Normal, Unperturbed, Surface, Modifier, Material]),
-            layers: any(&[Normal, Local]),
+            first: known || layers || any(&[Length, Point]),
+            known,
+            layers,
             light: any(&[Value, Contribution]),
             branches: any(&[Effective, Mirrored, MirroredLength, Unmirrored, UnmirroredLength]),
         }

@@ -79,6 +79,7 @@ impl<'w> Teller<'w> {
         if self.fields.needs.first {
             self.first(ray, limit, &mut met);
         }
+        // Referred to where it is, as each copy would wait for what was written just before.
         let found;
         let fate = if self.fields.needs.branches {
             found = self.branches(ray, limit, number);
