@@ -7,6 +7,7 @@ use crate::error::{Error, Result};
 use crate::unknown::{Bounds, TYPES, Wishes, names};
 use clap::builder::PossibleValuesParser;
 use std::path::PathBuf;
+use std::time::Duration;
 
 /// What material is it? Finds the numbers of a material with which a rendering comes nearest to a picture.
 ///
@@ -276,6 +277,11 @@ impl Arguments {
         let said =
             [("--steps", steps.is_some()), ("--stages", *stages > 1), ("--residuals", residuals.is_some()), ("--no-polish", *no_polish)];
         said.into_iter().filter_map(|(option, said)| said.then_some(option)).collect()
+    }
+
+    /// How long to search.
+    pub fn time(&self) -> Option<Duration> {
+        self.search.time.map(|seconds| Duration::from_secs_f64(seconds.min(1e9)))
     }
 
     /// How to search.

@@ -7,6 +7,7 @@ use crate::error::Error;
 use crate::rad::decode;
 use crate::recover::Recovery;
 use crate::recover::answer::Answer;
+use crate::recover::doubts::digits;
 use crate::report::{Moment, Report};
 use crate::unknown::Unknown;
 use std::path::Path;
@@ -33,12 +34,23 @@ impl Trail {
         Ok(trail)
     }
 
-    /// Keeps what a round found.
-    pub fn hear(&self, found: &Recovery) {
+    /// Keeps what a round found, and shows it; or what was found in the end, where that is something else.
+    pub fn hear(&self, found: &Recovery, console: &Console) {
         let (errors, chi2, pixels) = (Some(found.errors()), Some(found.chi2), Some(found.pixels));
         let moment = Moment { values: found.values.clone(), errors, chi2, pixels };
         let mut moments = self.moments();
+        if moments.last().is_some_and(|last| last.values == moment.values && last.errors == moment.errors) {
+            return;
+        }
         self.write(moments.len(), &moment);
+        console.progress(|| {
+            let number = |((name, &value), &error): ((&String, &f64), &f64)| {
+                let (value, error) = digits(value, error);
+                format!(" {name} {value} ± {error}")
+            };
+            let numbers: Vec<String> = self.names.iter().zip(&found.values).zip(&found.errors()).map(number).collect();
+            format!("round {}:{}", moments.len(), numbers.join(","))
+        });
         moments.push(moment);
     }
 

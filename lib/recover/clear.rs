@@ -170,7 +170,7 @@ pub fn recover(
     let begin = Instant::now();
     let (mut lowest, mut stride): (Option<Recovery>, f64) = (None, 0.0);
     for look in 1.. {
-        tell(&format!("look {look}: {best:.4?}"));
+        tell(&format!("look {look}"));
         let indices = match slot {
             Some(i) => close(best[i]),
             None => vec![fixed],

@@ -26,7 +26,7 @@ pub fn recover(sought: &Sought, effort: Effort, tell: &dyn Fn(&str)) -> Result<R
     let open = |found: &Recovery| polished(sought.unknown, sought.kind, found);
     let found = rough::recover(sought, effort, &|found| open(found).is_some(), tell)?;
     let Some((slot, mirror)) = open(&found).filter(|_| !effort.late()) else { return Ok(found) };
-    tell(&format!("polished: {:.4?}", found.values));
+    tell("polished");
     let mut near = found.values.clone();
     slot.map(|slot| near.remove(slot));
     let near: Vec<f64> = near.iter().zip(mirror.bounds()).map(|(value, (low, high))| value.clamp(low, high)).collect();

@@ -295,7 +295,7 @@ pub fn recover(sought: &Sought, effort: Effort, enough: &dyn Fn(&Recovery) -> bo
     // Closer looks, each around the answer of the one before, until it stays well inside.
     let begin = Instant::now();
     for look in 1.. {
-        tell(&format!("look {look}: {best:.4?}"));
+        tell(&format!("look {look}"));
         let grid = roughness(kind, &unknown.reals(&best)).map(|middle| around(middle, nodes));
         let mut stage = Stage::new(evidence, unknown, material, kind, grid, vec![]);
         let late = || !effort.affords_another(begin, look);

@@ -1,7 +1,7 @@
 //! anneal: what material it is, by simulated annealing.
 
 use inverad::anneal::Objective;
-use inverad::args::anneal::{Arguments, Job};
+use inverad::args::anneal::{Arguments, Job, SearchOptions};
 use inverad::cli::auto::{Taken, opened, take};
 use inverad::cli::exec::{Exec, last_number};
 use inverad::cli::kept::Kept;
@@ -14,7 +14,7 @@ use inverad::error::Error;
 use inverad::recover::{Effort, answer, recover};
 use std::path::Path;
 use std::process::ExitCode;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 fn main() -> ExitCode {
     cli::main("anneal", run)
@@ -81,17 +81,18 @@ fn search(start: &str, arguments: &Arguments, console: &Console) -> Outcome<Answ
 fn look(start: &str, target: &str, arguments: &Arguments, console: &Console) -> Outcome<Answer> {
     let options = arguments.options()?;
     arguments.idle().iter().for_each(|option| console.note(&format!("{option} is for --exec and --direct; it does nothing here")));
-    let until = arguments.search.time.map(|seconds| Instant::now() + Duration::from_secs_f64(seconds.min(1e9)));
+    let until = arguments.time().map(|time| Instant::now() + time);
     let effort = Effort { seed: options.seed, until, tolerance: options.tolerance, around: None, quick: false, told: &|_| {} };
     let Taken { mut photo, mut title, mut doubts, asked, found } = take(start, target, effort, arguments, console)?;
     let unknown = &photo.unknown().clone();
     let (found, rounds) = found.unzip();
     let trail = Trail::new(unknown, rounds, arguments.search.log.as_deref())?;
-    let effort = Effort { told: &|found| trail.hear(found), ..effort };
+    let effort = Effort { told: &|found| trail.hear(found, console), ..effort };
     let found = match found {
         Some(found) => found,
         None => {
             let found = recover(&photo.evidence(), unknown, photo.material(), effort, &|so_far| console.progress(|| so_far.into()))?;
+            trail.hear(&found, console);
             if let Some(path) = &arguments.search.state {
                 Kept::save(path, asked, &unknown.material().kind, &title, &doubts, &found, &trail)?;
             }
@@ -119,9 +120,8 @@ fn anneal(
     arguments: &Arguments,
     console: &Console,
 ) -> Outcome<Answer> {
-    let options = &arguments.search;
-    let time = options.time.map(|seconds| Duration::from_secs_f64(seconds.min(1e9)));
-    let watch = Watch { state: options.state.as_deref(), log: options.log.as_deref(), time, steps: options.steps, console };
+    let SearchOptions { state, log, steps, .. } = &arguments.search;
+    let watch = Watch { state: state.as_deref(), log: log.as_deref(), time: arguments.time(), steps: *steps, console };
     let reached = search.run(judge, &watch)?;
     found(&search, photo, arguments, console)?;
     Ok(if reached { Answer::Yes } else { Answer::No })
