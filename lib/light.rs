@@ -103,16 +103,21 @@ impl Lamp {
                 }
             }
         };
-        self.lights(from, sample.distance).then_some(self.focused(sample))
+        // RADIANCE's law of distance of a spotlight reckons from where its samples are, too.
+        self.lights(from, sample.distance).then_some(self.focused(sample, self.measured(from, sample.distance)))
     }
 
-    /// Whether a point of it, so far away, lights the place `from`: a glow does within its radius. RADIANCE measures to where its samples are,
-    /// which is the centre of a sphere.
-    pub fn lights(&self, from: Vec3, distance: f64) -> bool {
+    /// How far RADIANCE takes a point of it to be that is so far away from `from`: as far as its samples are, which for a sphere is its centre.
+    fn measured(&self, from: Vec3, distance: f64) -> f64 {
         match self.extent.facing {
-            Facing::All if self.radius.is_finite() => self.extent.center.distance(from) <= self.radius,
-            _ => distance <= self.radius,
+            Facing::All => self.extent.center.distance(from),
+            _ => distance,
         }
+    }
+
+    /// Whether a point of it, so far away, lights the place `from`: a glow does within its radius.
+    pub fn lights(&self, from: Vec3, distance: f64) -> bool {
+        self.radius == f64::INFINITY || self.measured(from, distance) <= self.radius
     }
 
     /// The density per solid angle with which [`Lamp::sample`] finds `direction` from `from`.
@@ -153,7 +158,7 @@ impl Lamp {
                 at = self.rounded(at);
             }
             let sample = self.toward(from, at, size);
-            sample.filter(|s| s.distance <= self.radius).map(|s| self.focused(s)).into_iter().for_each(&mut *out);
+            sample.filter(|s| s.distance <= self.radius).map(|s| self.focused(s, s.distance)).into_iter().for_each(&mut *out);
         }
     }
 
@@ -223,12 +228,12 @@ impl Lamp {
             }
     }
 
-    /// A spotlight's light falls off from its focus, behind the lamp.
-    fn focused(&self, sample: ToLamp) -> ToLamp {
-        if self.focus == 0.0 || sample.distance == f64::INFINITY {
+    /// A spotlight's light falls off from its focus, behind the lamp, which is at this distance.
+    fn focused(&self, sample: ToLamp, distance: f64) -> ToLamp {
+        if self.focus == 0.0 || distance == f64::INFINITY {
             return sample;
         }
-        ToLamp { omega: sample.omega * (sample.distance / (sample.distance + self.focus)).powi(2), ..sample }
+        ToLamp { omega: sample.omega * (distance / (distance + self.focus)).powi(2), ..sample }
     }
 }
 

@@ -267,6 +267,15 @@ impl Material {
         !matches!(self, Self::Dielectric(_) | Self::Interface(..) | Self::Functions(_) | Self::Antimatter)
     }
 
+    /// Whether what is aimed at a lamp stops here, even where the back is invisible: RADIANCE looks at that first.
+    pub fn shades(&self) -> bool {
+        match self {
+            Self::Reflectance(m) => !(m.transmits && m.isotropic),
+            Self::Ashikhmin(_) | Self::Mirror(_) | Self::Light(_) | Self::Glow(..) | Self::Spotlight(..) => true,
+            _ => false,
+        }
+    }
+
     /// The radiance that a light source emits against the direction of travel `direction`.
     pub fn emitted(&self, direction: Vec3) -> Rgb {
         match self {

@@ -17,6 +17,7 @@ use crate::accel::{Accel, Hit};
 use crate::environment::Environment;
 use crate::geometry::{Mesh, Ray};
 use crate::light::{Lamp, ToLamp};
+use crate::material::Material;
 use crate::panorama::Place;
 use crate::scene::{Chain, ChainId, End, MaterialId, Named};
 use crate::transform::Transform;
@@ -117,6 +118,9 @@ pub struct Names<'a> {
     pub material: &'a str,
 }
 
+/// So many panes and mirrors are looked through and into, one behind the other.
+const MOST_PANES: usize = 16;
+
 /// What RADIANCE calls a triangle of a mesh.
 const TRIANGLE: &str = "M-Tri";
 
@@ -129,16 +133,31 @@ impl World {
         self.accel.nearest(ray, self.epsilon(ray.origin), limit)
     }
 
-    /// Whether what a ray meets first is made of a material.
+    /// Whether what a ray shows is made of a material: what it meets first, but for panes of glass, which it looks through, and mirrors, which
+    /// it looks into.
     pub fn shows(&self, ray: &Ray, material: MaterialId) -> bool {
-        let Some(hit) = self.nearest(ray, f64::INFINITY) else { return false };
-        let mut chains = vec![self.find(&hit).chain];
-        while let Some(chain) = chains.pop() {
-            match self.chains[chain].end {
-                End::Material(m) if m == material => return true,
-                End::Mixture(_, fore, back) => chains.extend([fore, back]),
-                _ => {}
+        let mut ray = *ray;
+        for _ in 0..MOST_PANES {
+            let Some(hit) = self.nearest(&ray, f64::INFINITY) else { return false };
+            let mut chains = vec![self.find(&hit).chain];
+            let mut onward = None;
+            while let Some(chain) = chains.pop() {
+                match self.chains[chain].end {
+                    End::Material(m) if m == material => return true,
+                    End::Material(m) => match &self.materials[m] {
+                        Named { material: Material::Glass(_), .. } => onward = Some(ray.direction),
+                        Named { material: Material::Mirror(_), .. } if ray.direction.dot(hit.normal) < 0.0 => {
+                            onward = Some(ray.direction.reflect(hit.normal));
+                        }
+                        Named { material: Material::Illum(_), alternate, .. } => chains.extend(*alternate),
+                        _ => {}
+                    },
+                    End::Mixture(_, fore, back) => chains.extend([fore, back]),
+                    End::Void => onward = Some(ray.direction),
+                }
             }
+            let Some(direction) = onward else { return false };
+            ray = Ray::new(hit.point, direction);
         }
         false
     }

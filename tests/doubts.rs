@@ -21,11 +21,19 @@ fn told(material: &str, scene: &str) -> (Vec<String>, Vec<String>) {
 fn told_in(material: &str, scene: &str, other: &str) -> (Vec<String>, Vec<String>) {
     let directory = photographed(material, scene, "-x 48 -y 48 --spp 128 --seed 5 -ab 2 -o target.hdr");
     std::fs::write(directory.path().join("scene.rad"), other).unwrap();
-    let done = run(env!("CARGO_BIN_EXE_anneal"), directory.path(), "-ab 2 --scene scene.rad --target target.hdr start.rad");
+    let done = run(env!("CARGO_BIN_EXE_anneal"), directory.path(), "-ab 2 --scene scene.rad --target target.hdr --log log.jsonl start.rad");
     assert_eq!(done.status.code(), Some(0));
     let lines = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap().lines().map(String::from).collect::<Vec<_>>();
     let (out, said) = (lines(done.stdout), lines(done.stderr));
     println!("{}", out.join("\n"));
+    // The log ends with the answer, which has as many digits as it deserves.
+    let log = std::fs::read_to_string(directory.path().join("log.jsonl")).unwrap();
+    let last: serde_json::Value = serde_json::from_str(log.lines().last().unwrap()).unwrap();
+    let numbers = out.last().unwrap().rsplit(' ').map(|word| word.parse::<f64>().unwrap());
+    for (name, number) in ["rough", "spec", "blue", "green", "red"].iter().zip(numbers) {
+        let (logged, error) = (last["values"][name].as_f64().unwrap(), last["errors"][name].as_f64().unwrap());
+        assert!((logged - number).abs() <= 0.01 * error.max(0.01), "{name}: {logged} at the end of the log, {number} in the answer");
+    }
     (out.into_iter().filter_map(|line| line.strip_prefix("# ").map(String::from)).collect(), said)
 }
 

@@ -395,6 +395,9 @@ impl<B> Segment<B> {
         if layer.clip.is_some() {
             self.clip.clone_from(&layer.clip);
         }
+        if let Some(scattered) = self.scattered.as_mut().filter(|_| layer.shades) {
+            scattered.lamps = 0.0;
+        }
         self
     }
 }

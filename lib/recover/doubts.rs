@@ -60,7 +60,8 @@ pub fn judge(unknown: &Unknown, values: &[f64], known: &Known) -> Judgement {
     // What bounds alone would say is 1.
     let units: Vec<f64> = parameters.iter().map(|p| (p.high - p.low) / 12f64.sqrt()).collect();
     let seen = &known.covariance;
-    let unseen = |i: usize| !seen.at(i, i).is_finite();
+    let lost = lusterless(unknown, values, seen);
+    let unseen = |i: usize| !seen.at(i, i).is_finite() || lost && ROUGHNESSES.contains(&parameters[i].name.as_str());
     let scaled = |m: &Symmetric, i: usize, j: usize| {
         let one = f64::from(i == j);
         if unseen(i) || unseen(j) { one } else { Some(m.at(i, j) / (units[i] * units[j])).filter(|x| x.is_finite()).unwrap_or(one) }
@@ -134,6 +135,16 @@ pub fn judge(unknown: &Unknown, values: &[f64], known: &Known) -> Judgement {
     let correlations = Symmetric::of(n, |i, j| if plain(i) && plain(j) { alike.at(i, j) } else { correlations.at(i, j) });
     Judgement { errors, correlations, standings, doubts }
 }
+
+/// Whether there may be no specular reflection at all, which would be of any roughness.
+fn lusterless(unknown: &Unknown, values: &[f64], seen: &Symmetric) -> bool {
+    let at = |name: &str| unknown.material().type_of().and_then(|t| t.parameter(name));
+    let spec = unknown.parameters().iter().position(|p| p.name == "spec");
+    at("tspec").is_none() && spec.is_some_and(|i| values[i] <= seen.at(i, i).sqrt())
+}
+
+/// What shapes specular reflection.
+const ROUGHNESSES: [&str; 3] = ["rough", "urough", "vrough"];
 
 /// `red, green and spec are not determined by themselves, only together: red + 0.41 spec = 0.641 ± 0.012, green + …`.
 fn together(parameters: &[Parameter], values: &[f64], covariance: &Symmetric, pivot: usize, partners: &[usize]) -> String {

@@ -6,7 +6,7 @@ use crate::accel::{self, Accel, Geometry, Rank};
 use crate::color::bright;
 use crate::environment::Environment;
 use crate::error::{Error, Result};
-use crate::geometry::{LightShape, Plane};
+use crate::geometry::{Facing, LightShape, Plane};
 use crate::light::{self, Lamp, Relay};
 use crate::material::Material;
 use crate::rules::Rules;
@@ -227,8 +227,13 @@ impl World {
         let (illum, glow) = (matches!(material, Material::Illum(_)), matches!(material, Material::Glow(..)));
         let (form, extent) = form()?;
         let distant = matches!(form, light::Form::Distant(..));
+        // Nor is a flat spotlight that does not aim to its front one to RADIANCE.
+        let averted = match (material, extent.facing) {
+            (Material::Spotlight(_, _, aim), Facing::Front(normal)) => aim.normalize().dot(normal) <= 1e-6,
+            _ => false,
+        };
         // A light without light is dropped; a distant glow is never a lamp (semantics 2.2, 3.8).
-        if largest <= 1e-6 || distant && glow {
+        if largest <= 1e-6 || distant && glow || averted {
             return Ok(None);
         }
         let shared = focus == 0.0 && !illum;

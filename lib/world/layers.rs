@@ -35,6 +35,8 @@ pub struct Layer<'a> {
     pub gathers: bool,
     /// Where it relays a shadow ray that was aimed at it: the lamp to aim at from here.
     pub relay: Option<usize>,
+    /// Whether it is a back that is not there but for what is aimed at lamps: these do not light what is behind it.
+    pub shades: bool,
     /// What becomes of a ray among antimatter that passes; `None` where nothing changes.
     pub clip: Option<Box<Clip>>,
 }
@@ -211,6 +213,7 @@ impl World {
             behind: None,
             gathers: true,
             relay: None,
+            shades: false,
             clip: None,
         }
     }
@@ -272,6 +275,7 @@ impl Place<'_> {
             behind: None,
             gathers: world.gathers.get(self.found.chain).is_none_or(|&gathers| gathers),
             relay: None,
+            shades: false,
             clip: self.clip.clone(),
         };
         if world.removable.get(self.found.chain).is_some_and(|&removable| removable) {
@@ -294,7 +298,10 @@ impl Place<'_> {
         }
         match &named.material {
             // The back of a surface that does not use its side is not there.
-            material if !front && !self.rules.back_visible && material.backless() => layer.material = None,
+            material if !front && !self.rules.back_visible && material.backless() && !(aimed.is_some() && material.shades()) => {
+                layer.material = None;
+                layer.shades = material.shades();
+            }
             Material::Illum(_) if aimed.is_none() || aimed != self.found.lamp => {
                 // What gathers light has the illum's own light already; nor may one weak source light through another.
                 if front && aimed.map_or(self.coming.gathered, |lamp| world.lamps[lamp].weak) {
