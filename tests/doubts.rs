@@ -82,6 +82,13 @@ fn of_a_plastic_it_tells_what_colour_and_specularity_make_together() {
 }
 
 #[test]
+fn of_what_does_not_shine_no_roughness_is_told() {
+    let (lines, _) = told("plastic it 0 0 5 .6 .4 .2 0 0", &format!("{UNIFORM}{LAMP}{STILL}"));
+    let ((spec, error, _), (_, _, standing)) = (line(&lines, "spec"), line(&lines, "rough"));
+    assert!(spec < 3.0 * error && standing == "not determined", "spec {spec} ± {error}, rough: {standing}");
+}
+
+#[test]
 fn a_lamp_tells() {
     let (lines, said) = told("plastic it 0 0 5 .6 .4 .2 .1 .2", &format!("{UNIFORM}{LAMP}{STILL}"));
     assert!(said.is_empty() && lines.iter().all(|line| !line.contains("not determined")), "{said:?}");
