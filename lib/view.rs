@@ -22,6 +22,9 @@ const VIEW_LINES: [&str; 8] = ["VIEW=", "rpict", "rvu", "rpiece", "rxpiece", "pi
 /// Planes nearer than this to the viewpoint, and sizes smaller than this, are none.
 const TINY: f64 = 1e-6;
 
+/// Views are alike up to so much.
+const ALIKE: f64 = 0.01;
+
 /// The largest number of a view: of what is farther the squares overflow.
 const FARTHEST: f64 = 1e30;
 
@@ -132,6 +135,24 @@ impl View {
             words = &rest[count.min(rest.len())..];
         }
         Ok(())
+    }
+
+    /// What header lines say of a view; `None` if they do not.
+    pub fn said<'a>(lines: impl IntoIterator<Item = &'a str>) -> Option<Self> {
+        let mut view = Self::default();
+        view.apply_header(lines).then_some(view)
+    }
+
+    /// Whether it shows about the same as another: nothing differs by more than a hundredth of itself or of the picture.
+    pub fn is_like(&self, other: &Self) -> bool {
+        let alike = |a: f64, b: f64| (a - b).abs() <= ALIKE * a.abs().max(b.abs());
+        self.kind == other.kind
+            && self.point.distance(other.point) <= ALIKE * (1.0 + self.point.length())
+            && self.direction.angle_between(other.direction) <= ALIKE
+            && alike(self.horizontal, other.horizontal)
+            && alike(self.vertical, other.vertical)
+            && (self.shift - other.shift).abs() <= ALIKE
+            && (self.lift - other.lift).abs() <= ALIKE
     }
 
     /// Applies, in their order, all view options in header lines that hold some; tells whether there was one. Words that are no view

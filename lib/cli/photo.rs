@@ -17,6 +17,7 @@ use crate::report::{Setting, Views};
 use crate::rules::Rules;
 use crate::scene::{MaterialId, Scene};
 use crate::unknown::Unknown;
+use crate::view::View;
 use crate::world::World;
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -54,13 +55,21 @@ impl<'a> Photo<'a> {
             disk.count(&bytes);
             Ok((name.clone(), Picture::read(&bytes, &name)?))
         };
-        let mut view = scene::view(&photo.view)?;
         let taken = target.map(read).transpose()?;
-        let mut said = |target: &Picture| view.apply_header(target.header.lines.iter().map(String::as_str));
-        if photo.view.words.is_empty() && !taken.as_ref().is_some_and(|(_, target)| said(target)) {
-            let picture = taken.map_or_else(String::new, |(name, _)| format!(", and {name} does not say its own"));
-            return Err(Error::new(format!("no view{picture}; give the view it is taken from with -vf FILE")).into());
-        }
+        let own = taken.as_ref().and_then(|(_, target)| View::said(target.header.lines.iter().map(String::as_str)));
+        let asked = scene::view(&photo.view)?;
+        let view = match (photo.view.words.is_empty(), own, &taken) {
+            (true, Some(own), _) => own,
+            (true, None, taken) => {
+                let picture = taken.as_ref().map_or_else(String::new, |(name, _)| format!(", and {name} does not say its own"));
+                return Err(Error::new(format!("no view{picture}; give the view it is taken from with -vf FILE")).into());
+            }
+            (false, Some(own), Some((name, _))) if !own.is_like(&asked) => {
+                console.warn(&format!("{name} says that it was taken from elsewhere ({}): leave out -vf for that view", own.header_line()));
+                asked
+            }
+            (false, ..) => asked,
+        };
         let film = match &taken {
             Some((_, target)) => Film::new(&view, target.width, target.height, 0.0)?,
             None => Film::new(&view, photo.x.unwrap_or(PREDICTED), photo.y.unwrap_or(PREDICTED), 1.0)?,

@@ -50,6 +50,8 @@ pub enum Standing {
 const UNDETERMINED: f64 = 0.3;
 /// Values that are known only together are correlated at least so much.
 const TOGETHER: f64 = 0.9;
+/// Off by so much of its light, a picture is not explained at all.
+const ASTRAY: f64 = 0.1;
 /// Beyond this part of what bounds alone would say, they alone say it.
 const ANYWHERE: f64 = 0.9;
 
@@ -99,7 +101,10 @@ pub fn judge(unknown: &Unknown, values: &[f64], known: &Known) -> Judgement {
             } else {
                 "the chi-squareds that were seen are too few, or too noisy, or say little of it".to_string()
             };
-            doubts.push(format!("{} is not determined: {why}; {help}", parameters[pivot].name));
+            // Where nothing explains the picture, no other light or view would.
+            if known.misfit < ASTRAY {
+                doubts.push(format!("{} is not determined: {why}; {help}", parameters[pivot].name));
+            }
         } else {
             partners.iter().chain([&pivot]).for_each(|&i| standings[i] = Standing::Together);
             let covariance = Symmetric::of(n, |i, j| whole.at(i, j) * units[i] * units[j]);
@@ -111,10 +116,14 @@ pub fn judge(unknown: &Unknown, values: &[f64], known: &Known) -> Judgement {
         let far = |i: usize| format!("{} {}", parameters[i].name, by(moved(i, i).sqrt() * units[i]));
         let far: Vec<String> = (0..n).filter(|&i| plain(i)).map(far).collect();
         let harm = if far.is_empty() { String::new() } else { format!("; so large an error could move {}", list(&far)) };
+        let open: Vec<&str> = (0..n).filter(|&i| standings[i] == Standing::Open).map(|i| parameters[i].name.as_str()).collect();
+        let lost = if known.misfit < ASTRAY || open.is_empty() { String::new() } else { format!("; {} cannot be told by it", list(&open)) };
+        let exposed = parameters.iter().any(|p| EXPOSURES.contains(&p.name.as_str()));
+        let exposure = if exposed { "" } else { "the exposure (--param exposure=1:.5:2), " };
         doubts.insert(
             0,
             format!(
-                "whole areas of the picture are {} % brighter or darker than any noise explains: the light, the shape or the type may not be those of the photograph{harm}",
+                "whole areas of the picture are {} % brighter or darker than any noise explains: the light, {exposure}the shape, the type or a bound may not be those of the photograph{harm}{lost}",
                 percent(off)
             ),
         );
