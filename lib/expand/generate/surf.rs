@@ -2,7 +2,7 @@
 
 use super::curve::Functions;
 use super::{Printer, Read, SURFACE_LIMIT};
-use crate::cal::Context;
+use crate::cal::{Context, Program};
 use crate::error::{Error, Result};
 use crate::expand::printf::g;
 use crate::rad::{Quoted, real};
@@ -71,21 +71,28 @@ pub fn gensurf(arguments: &[String], read: Read) -> Result<String> {
     let data = Data::read([x, y, z], read)?;
     let expression = |axis: usize, text| if data.is_some_for(axis) { "0" } else { text };
     let program = functions.compile("s,t", &[("x", expression(0, x)), ("y", expression(1, y)), ("z", expression(2, z))])?;
-    // A vertex without a value is left out, and the faces round it.
+    // Where this is not positive, there is no vertex.
+    let valid = functions.compile("s,t", &[("valid", "valid(s,t)")]).ok();
     let point = |i: usize, j: usize| -> Option<Vec3> {
         let parameters = [(i as f64 - 1.0) / m as f64, (j as f64 - 1.0) / n as f64];
-        let mut computed = program.call(&Context::default(), &parameters).ok().map(Vec3::from_array)?;
+        let is_valid = |valid: &Program| valid.call(&Context::default(), &parameters).is_ok_and(|[valid]| valid > 0.0);
+        if !valid.as_ref().is_none_or(is_valid) {
+            return None;
+        }
+        // Faces round a vertex without a value are left out.
+        let mut computed = program.call(&Context::default(), &parameters).map_or(Vec3::NAN, Vec3::from_array);
         if !data.is_empty() {
             computed = data.replace(computed, (i.checked_sub(1)?, m), (j.checked_sub(1)?, n))?;
         }
-        Some(computed).filter(|p| p.is_finite())
+        Some(computed)
     };
     // Smooth normals take a rim of vertices beyond the square: index 1 is parameter 0.
     let [smooth, inverted] = ["-s", "-i"].map(|option| others.iter().any(|o| o == option));
     let row =
         |i: usize| -> Vec<Option<Vec3>> { (0..n + 3).map(|j| (smooth || j > 0 && j < n + 2).then(|| point(i, j)).flatten()).collect() };
     let vertices = |rows: [&[Option<Vec3>]; 3]| -> Vec<Option<Vertex>> {
-        let tangent = |before: Option<Vec3>, at: Vec3, behind: Option<Vec3>| behind.unwrap_or(at) - before.unwrap_or(at);
+        let or = |there: Option<Vec3>, at: Vec3| there.filter(|p| p.is_finite()).unwrap_or(at);
+        let tangent = |before: Option<Vec3>, at: Vec3, behind: Option<Vec3>| or(behind, at) - or(before, at);
         let vertex = |j: usize| {
             let point = rows[1][j]?;
             let along = tangent(rows[0][j], point, rows[2][j]);
@@ -120,8 +127,21 @@ struct Surface<'a> {
 }
 
 impl Surface<'_> {
-    /// Prints what stands between four vertices: (s, t) low low, low high, high low, high high.
+    /// Prints what stands between four vertices: (s, t) low low, low high, high low, high high. Between three it is a triangle.
     fn square(&mut self, corners: [Option<Vertex>; 4], even: bool) {
+        let missing: Vec<usize> = (0..4).filter(|&i| corners[i].is_none()).collect();
+        let (corners, even) = match (missing[..].first(), missing.len()) {
+            (Some(&i), 1) => {
+                // Instead of it one that makes the square a parallelogram; the diagonal is the one that cuts it off.
+                let [beside, other, across] = [i ^ 1, i ^ 2, i ^ 3].map(|i| corners[i]);
+                let (Some(beside), Some(other), Some(across)) = (beside, other, across) else { return };
+                let normal = (beside.normal + other.normal).normalize_or_zero();
+                let mut corners = corners;
+                corners[i] = Some(Vertex { point: beside.point + other.point - across.point, normal });
+                (corners, i == 1 || i == 2)
+            }
+            _ => (corners, even),
+        };
         let [Some(a), Some(b), Some(c), Some(d)] = corners else { return };
         let [p, q, r, s] = [a, b, c, d].map(|v| v.point);
         // Diagonals change direction from one square to the next along t.
@@ -137,13 +157,15 @@ impl Surface<'_> {
             (cross.length() > TINY * e.length() * f.length() && (b - c).length() > 0.0).then(|| cross.normalize())
         });
         if let [Some(u), Some(v)] = normals
+            && missing.is_empty()
             && u.cross(v).length() <= TINY
             && u.dot(v) > 0.0
         {
             return self.polygon(&whole, u, [a, b, c, d]);
         }
         for (triangle, normal) in [first, second].iter().zip(normals) {
-            if let Some(normal) = normal {
+            let there = missing.iter().all(|&i| !triangle.contains(&[p, q, r, s][i]));
+            if let Some(normal) = normal.filter(|_| there) {
                 self.polygon(triangle, normal, [a, b, c, d]);
             }
         }
