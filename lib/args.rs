@@ -151,6 +151,12 @@ fn name() -> impl TypedValueParser<Value = String> {
     OsStringValueParser::new().map(|name| decode(name.into_encoded_bytes()))
 }
 
+/// A definition for expressions, which has a sign in it that defines.
+fn definition(text: &str) -> std::result::Result<String, String> {
+    let defines = text.contains(['=', ':']);
+    defines.then(|| text.into()).ok_or_else(|| "not a definition like NAME=EXPR; for rpict's -e FILE write 2> FILE".into())
+}
+
 /// A number that is one.
 fn finite(word: &str) -> std::result::Result<f64, String> {
     word.parse().ok().filter(|x: &f64| x.is_finite()).ok_or_else(|| "not a finite number".into())

@@ -48,9 +48,9 @@ pub struct Measures {
     pub without_variance: usize,
     /// Mean squared difference; with a second rendering the mean of the products.
     pub mse: f64,
-    /// Mean of the squared difference over the square of the reference.
+    /// Mean of the squared difference over the square of the reference, to which a hundredth of its mean's square is added.
     pub relmse: f64,
-    /// Mean of the difference over the reference (mean absolute percentage error, as a fraction).
+    /// Mean of the difference over the reference (mean absolute percentage error, as a fraction), to which a hundredth of its mean is added.
     pub mape: f64,
     /// The largest difference.
     pub max: f64,

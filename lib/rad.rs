@@ -138,7 +138,8 @@ impl Primitive {
         self.words.len().saturating_sub(3 + self.reals.len())
     }
 
-    fn word_span(&self, i: usize) -> Span {
+    /// Where a word of it is: its modifier is the first, its type the second.
+    pub fn word_span(&self, i: usize) -> Span {
         let source = &self.span.source;
         let Some(&start) = self.words.get(i) else { return self.span.clone() };
         let rest = source.text.get(start as usize..).unwrap_or("");

@@ -4,7 +4,7 @@
 
 mod build;
 
-use crate::error::{Error, Result, Source};
+use crate::error::{Error, Result, Source, Span};
 use crate::expand::{Annotation, Flat};
 use crate::geometry::{Mesh, Shape};
 use crate::material::Material;
@@ -59,6 +59,8 @@ pub struct Surface {
     pub name: String,
     /// The name of its modifier.
     pub modifier: String,
+    /// Where it is described.
+    pub place: Span,
     /// Where it is.
     pub form: Form,
     /// What it is made of: one chain, or one for each material of a mesh; none for an instance whose parts have their own.

@@ -26,7 +26,8 @@ pub struct Args {
     #[arg(default_value = "-")]
     pub b: String,
 
-    /// What to print, separated by commas: chi2, mse, rmse, relmse, mape, psnr, max
+    /// What to print, separated by commas: chi2, mse, rmse, relmse, mape, psnr, max (relmse is relative to A² + .01 m²,
+    /// mape to |A| + .01 m, where m is the mean of A)
     #[arg(long, value_name = "NAMES", value_delimiter = ',', default_value = "chi2", hide_possible_values = true)]
     pub metric: Vec<Metric>,
 

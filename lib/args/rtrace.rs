@@ -54,7 +54,7 @@ pub struct Arguments {
     pub scene_options: Scenes,
 
     /// Definitions of names for the expressions in the scene, as in a function file
-    #[arg(long = "e", value_name = "NAME=EXPR", action = ArgAction::Append)]
+    #[arg(long = "e", value_name = "NAME=EXPR", value_parser = super::definition, action = ArgAction::Append)]
     pub definitions: Vec<String>,
 
     /// A function file with such definitions
@@ -311,8 +311,8 @@ pub struct Light {
     #[arg(long, value_name = "1992", value_parser = ["1992"])]
     pub ward: Option<String>,
 
-    /// What the Fresnel term of polished surfaces is lowered by; RADIANCE before June 2026: .00202943064
-    #[arg(long, value_name = "F", default_value_t = FRESNEL_OFFSET, hide = true)]
+    /// What the Fresnel term of polished surfaces is lowered by; RADIANCE up to 6.0.2: .00202943064
+    #[arg(long, value_name = "F", default_value_t = FRESNEL_OFFSET)]
     pub fresnel_offset: f64,
 
     /// Options that only tune RADIANCE's approximations are accepted and do nothing: there is nothing to tune

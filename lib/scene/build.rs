@@ -236,7 +236,8 @@ impl<'a> Builder<'a> {
                 (Form::Shape(shape), vec![self.chain(modifier)?])
             }
         };
-        Ok(Some(Surface { name: primitive.name.clone(), modifier: primitive.modifier.clone(), form, chains }))
+        let (name, modifier, place) = (primitive.name.clone(), primitive.modifier.clone(), primitive.word_span(1));
+        Ok(Some(Surface { name, modifier, place, form, chains }))
     }
 
     /// The resolved form of a modifier and all behind it.

@@ -78,7 +78,7 @@ impl World {
             let Some((body, mut built)) = world.surface(surface, false, &mut groups)? else { continue };
             if let Form::Shape(shape) = &surface.form {
                 let form = || Ok((light::Form::of(shape.clone()), shape.light()?));
-                let form = || form().map_err(|e: &str| Error::new(format!("{}: {e}", surface.name)));
+                let form = || form().map_err(|e: &str| surface.place.error(format!("`{}`: {e}", surface.name)));
                 built.lamp = world.lamp(surface.chains[0], form)?;
             }
             if let Some(&(_, plane, center, radius)) = mirrors.iter().find(|m| std::ptr::eq(m.0, surface)) {
