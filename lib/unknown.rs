@@ -71,6 +71,9 @@ impl std::str::FromStr for Bounds {
         if low >= high {
             return Err(wrong("the upper bound must be greater than the lower one"));
         }
+        if low <= 0.0 && EXPOSURES.contains(&name.trim()) {
+            return Err(wrong("an exposure is a factor: its bounds must be greater than 0"));
+        }
         if start.is_some_and(|s| !(low..=high).contains(&s)) {
             return Err(wrong("the start is outside the bounds"));
         }
@@ -407,7 +410,7 @@ mod tests {
         assert!(message(HORSE, &outside).starts_with("start.rad:5:"));
         let tied = Wishes { tied: vec![words(&["red", "blue"])], bounds: vec!["blue=.5:0:1".parse().unwrap()], ..Wishes::default() };
         assert!(message(HORSE, &tied).contains("blue is tied to red: give the bounds of red"));
-        for wrong in ["rough", "rough=1:2", "rough=a:0:1", "rough=.5:1:0", "rough=2:0:1", "rough=nan:0:1"] {
+        for wrong in ["rough", "rough=1:2", "rough=a:0:1", "rough=.5:1:0", "rough=2:0:1", "rough=nan:0:1", "exposure=1:0:5"] {
             assert!(wrong.parse::<Bounds>().unwrap_err().message.contains("write NAME=START:LOW:HIGH"), "{wrong}");
         }
     }

@@ -100,6 +100,17 @@ fn a_lamp_tells() {
 }
 
 #[test]
+fn a_view_that_is_not_the_pictures_is_told() {
+    let directory = photographed("plastic it 0 0 5 .6 .4 .2 .1 .2", &format!("{UNIFORM}{BALL}"), "-x 16 -y 16 --spp 4 -o target.hdr");
+    for (view, told) in [("-vp 0 -5 1 -vd 0 1 -.2 -vh 30 -vv 30", true), ("-vp 0 -5 1 -vd 0 1 -.2 -vh 26 -vv 26", false)] {
+        let arguments = format!("--time .01 --scene scene.rad {view} --target target.hdr start.rad");
+        let done = run(env!("CARGO_BIN_EXE_anneal"), directory.path(), &arguments);
+        let said = String::from_utf8(done.stderr).unwrap();
+        assert_eq!(said.contains("target.hdr says that it was taken from elsewhere (VIEW= "), told, "{said}");
+    }
+}
+
+#[test]
 fn a_picture_in_another_light_is_doubted() {
     let material = "plastic it 0 0 5 .6 .4 .2 .1 .2";
     let scene = format!("{LAMP}{UNIFORM}{STILL}");

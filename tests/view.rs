@@ -159,6 +159,21 @@ fn rays_are_those_of_the_vwrays_that_is_installed() {
 }
 
 #[test]
+fn views_are_alike_that_show_about_the_same() {
+    let own = view("-vp 0 -5 1 -vd 0 1 -.2 -vh 26 -vv 26");
+    for (line, alike) in [
+        ("-vp 0 -5 1 -vd 0 5 -1 -vh 26 -vv 26.1", true),
+        ("-vp 0 -5 1.2 -vd 0 1 -.2 -vh 26 -vv 26", false),
+        ("-vp 0 -5 1 -vd 0 1 -.3 -vh 26 -vv 26", false),
+        ("-vp 0 -5 1 -vd 0 1 -.2 -vh 30 -vv 26", false),
+        ("-vp 0 -5 1 -vd 0 1 -.2 -vh 26 -vv 26 -vs .2", false),
+        ("-vta -vp 0 -5 1 -vd 0 1 -.2 -vh 26 -vv 26", false),
+    ] {
+        assert_eq!(own.is_like(&view(line)), alike, "{line}");
+    }
+}
+
+#[test]
 fn pictures_keep_their_shape_and_never_grow() {
     // Recorded: `vwrays -d … -x X -y Y`, RADIANCE 6.0a.
     for (line, x, y, aspect, size) in [

@@ -130,7 +130,7 @@ pub struct PictureOptions {
     #[arg(long, value_names = ["NAMES", "FILE.exr"], num_args = 2)]
     pub aov: Option<Vec<String>>,
 
-    /// Instead of light, the fraction of each pixel that is covered by surfaces whose material is ID
+    /// Instead of light, the fraction of each pixel that is covered by surfaces whose material is ID, seen through panes and in mirrors too
     #[arg(long, value_name = "ID", conflicts_with_all = ["variance", "aov"])]
     pub coverage: Option<String>,
 

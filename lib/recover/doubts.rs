@@ -145,12 +145,16 @@ pub fn judge(unknown: &Unknown, values: &[f64], known: &Known) -> Judgement {
     Judgement { errors, correlations, standings, doubts }
 }
 
-/// Whether there may be no specular reflection at all, which would be of any roughness.
+/// Whether there is hardly any specular reflection, and perhaps none, which would be of any roughness.
 fn lusterless(unknown: &Unknown, values: &[f64], seen: &Symmetric) -> bool {
     let at = |name: &str| unknown.material().type_of().and_then(|t| t.parameter(name));
     let spec = unknown.parameters().iter().position(|p| p.name == "spec");
-    at("tspec").is_none() && spec.is_some_and(|i| values[i] <= seen.at(i, i).sqrt())
+    let faint = |value: f64, error: f64| value <= error && value + error < FAINT;
+    at("tspec").is_none() && spec.is_some_and(|i| faint(values[i], seen.at(i, i).sqrt()))
 }
+
+/// The most that it can be then.
+const FAINT: f64 = 0.05;
 
 /// What shapes specular reflection.
 const ROUGHNESSES: [&str; 3] = ["rough", "urough", "vrough"];

@@ -298,7 +298,7 @@ impl Place<'_> {
         }
         match &named.material {
             // The back of a surface that does not use its side is not there.
-            material if !front && !self.rules.back_visible && material.backless() && !(aimed.is_some() && material.shades()) => {
+            material if !front && !self.rules.back_visible && material.backless() && (aimed.is_none() || !material.shades()) => {
                 layer.material = None;
                 layer.shades = material.shades();
             }
