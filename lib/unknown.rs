@@ -53,6 +53,9 @@ pub struct Unknown {
 /// What the picture may be brighter by than the scene is: in all, and in each channel. No numbers of the material, but as unknown.
 pub const EXPOSURES: [&str; 4] = ["exposure", "exposure-red", "exposure-green", "exposure-blue"];
 
+/// What shapes specular reflection.
+pub const ROUGHNESSES: [&str; 3] = ["rough", "urough", "vrough"];
+
 /// The words that stand for the three colours in a list of parameters.
 const COLORS: (&str, [&str; 3]) = ("rgb", ["red", "green", "blue"]);
 

@@ -139,27 +139,38 @@ impl World {
         let mut ray = *ray;
         for _ in 0..MOST_PANES {
             let Some(hit) = self.nearest(&ray, f64::INFINITY) else { return false };
-            let mut chains = vec![self.find(&hit).chain];
-            let mut onward = None;
-            while let Some(chain) = chains.pop() {
-                match self.chains[chain].end {
-                    End::Material(m) if m == material => return true,
-                    End::Material(m) => match &self.materials[m] {
-                        Named { material: Material::Glass(_), .. } => onward = Some(ray.direction),
-                        Named { material: Material::Mirror(_), .. } if ray.direction.dot(hit.normal) < 0.0 => {
-                            onward = Some(ray.direction.reflect(hit.normal));
-                        }
-                        Named { material: Material::Illum(_), alternate, .. } => chains.extend(*alternate),
-                        _ => {}
-                    },
-                    End::Mixture(_, fore, back) => chains.extend([fore, back]),
-                    End::Void => onward = Some(ray.direction),
-                }
+            let mut ends = Vec::new();
+            self.ends(self.find(&hit).chain, &mut ends);
+            if ends.contains(&Some(material)) {
+                return true;
             }
-            let Some(direction) = onward else { return false };
+            let Some(direction) = ends.iter().find_map(|end| self.onward(*end, ray.direction, hit.normal)) else { return false };
             ray = Ray::new(hit.point, direction);
         }
         false
+    }
+
+    /// The materials at the ends of a chain, with what an illum stands for; `None` for each end without one.
+    fn ends(&self, chain: ChainId, out: &mut Vec<Option<MaterialId>>) {
+        match self.chains[chain].end {
+            End::Material(m) => {
+                out.push(Some(m));
+                if let Named { material: Material::Illum(_), alternate: Some(chain), .. } = self.materials[m] {
+                    self.ends(chain, out);
+                }
+            }
+            End::Mixture(_, fore, back) => [fore, back].into_iter().for_each(|chain| self.ends(chain, out)),
+            End::Void => out.push(None),
+        }
+    }
+
+    /// Where a look goes on from a material that is looked through or into.
+    fn onward(&self, material: Option<MaterialId>, direction: Vec3, normal: Vec3) -> Option<Vec3> {
+        match material.map(|m| &self.materials[m].material) {
+            None | Some(Material::Glass(_)) => Some(direction),
+            Some(Material::Mirror(_)) if direction.dot(normal) < 0.0 => Some(direction.reflect(normal)),
+            _ => None,
+        }
     }
 
     /// Whether there is any surface along a ray.

@@ -311,7 +311,7 @@ pub struct Light {
     #[arg(long, value_name = "1992", value_parser = ["1992"])]
     pub ward: Option<String>,
 
-    /// What the Fresnel term of polished surfaces is lowered by; RADIANCE up to 6.0.2: .00202943064
+    /// What the Fresnel term of polished surfaces is lowered by; RADIANCE from 2023 to 6.0.2: .00202943064
     #[arg(long, value_name = "F", default_value_t = FRESNEL_OFFSET)]
     pub fresnel_offset: f64,
 

@@ -57,18 +57,17 @@ impl<'a> Photo<'a> {
         };
         let taken = target.map(read).transpose()?;
         let own = taken.as_ref().and_then(|(_, target)| View::said(target.header.lines.iter().map(String::as_str)));
-        let asked = scene::view(&photo.view)?;
-        let view = match (photo.view.words.is_empty(), own, &taken) {
-            (true, Some(own), _) => own,
-            (true, None, taken) => {
-                let picture = taken.as_ref().map_or_else(String::new, |(name, _)| format!(", and {name} does not say its own"));
-                return Err(Error::new(format!("no view{picture}; give the view it is taken from with -vf FILE")).into());
-            }
-            (false, Some(own), Some((name, _))) if !own.is_like(&asked) => {
+        let view = if photo.view.words.is_empty() {
+            let picture = taken.as_ref().map_or_else(String::new, |(name, _)| format!(", and {name} does not say its own"));
+            own.ok_or_else(|| Error::new(format!("no view{picture}; give the view it is taken from with -vf FILE")))?
+        } else {
+            let asked = scene::view(&photo.view)?;
+            if let (Some(own), Some((name, _))) = (own, &taken)
+                && !own.is_like(&asked)
+            {
                 console.warn(&format!("{name} says that it was taken from elsewhere ({}): leave out -vf for that view", own.header_line()));
-                asked
             }
-            (false, ..) => asked,
+            asked
         };
         let film = match &taken {
             Some((_, target)) => Film::new(&view, target.width, target.height, 0.0)?,

@@ -36,21 +36,21 @@ impl Trail {
 
     /// Keeps what a round found, and shows it; or what was found in the end, where that is something else.
     pub fn hear(&self, found: &Recovery, console: &Console) {
-        let (errors, chi2, pixels) = (Some(found.errors()), Some(found.chi2), Some(found.pixels));
-        let moment = Moment { values: found.values.clone(), errors, chi2, pixels };
-        let mut moments = self.moments();
-        if moments.last().is_some_and(|last| last.values == moment.values && last.errors == moment.errors) {
+        let (errors, mut moments) = (found.errors(), self.moments());
+        if moments.last().is_some_and(|last| last.values == found.values && last.errors.as_ref() == Some(&errors)) {
             return;
         }
-        self.write(moments.len(), &moment);
         console.progress(|| {
             let number = |((name, &value), &error): ((&String, &f64), &f64)| {
                 let (value, error) = digits(value, error);
                 format!(" {name} {value} ± {error}")
             };
-            let numbers: Vec<String> = self.names.iter().zip(&found.values).zip(&found.errors()).map(number).collect();
+            let numbers: Vec<String> = self.names.iter().zip(&found.values).zip(&errors).map(number).collect();
             format!("round {}:{}", moments.len(), numbers.join(","))
         });
+        let (values, chi2, pixels) = (found.values.clone(), Some(found.chi2), Some(found.pixels));
+        let moment = Moment { values, errors: Some(errors), chi2, pixels };
+        self.write(moments.len(), &moment);
         moments.push(moment);
     }
 

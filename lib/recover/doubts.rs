@@ -9,7 +9,7 @@ use super::sheet::COMMON;
 use crate::anneal::Parameter;
 use crate::anneal::linear::Symmetric;
 use crate::render::WIDEST;
-use crate::unknown::{EXPOSURES, Unknown};
+use crate::unknown::{EXPOSURES, ROUGHNESSES, Unknown};
 
 /// What is known of the errors of some values.
 pub struct Known<'a> {
@@ -62,13 +62,13 @@ pub fn judge(unknown: &Unknown, values: &[f64], known: &Known) -> Judgement {
     // What bounds alone would say is 1.
     let units: Vec<f64> = parameters.iter().map(|p| (p.high - p.low) / 12f64.sqrt()).collect();
     let seen = &known.covariance;
-    let lost = lusterless(unknown, values, seen);
-    let unseen = |i: usize| !seen.at(i, i).is_finite() || lost && ROUGHNESSES.contains(&parameters[i].name.as_str());
+    let dull = lusterless(unknown, values, seen);
+    let unseen = |i: usize| !seen.at(i, i).is_finite() || dull && ROUGHNESSES.contains(&parameters[i].name.as_str());
     let scaled = |m: &Symmetric, i: usize, j: usize| {
         let one = f64::from(i == j);
         if unseen(i) || unseen(j) { one } else { Some(m.at(i, j) / (units[i] * units[j])).filter(|x| x.is_finite()).unwrap_or(one) }
     };
-    let off = known.misfit.max(COMMON);
+    let (off, astray) = (known.misfit.max(COMMON), known.misfit >= ASTRAY);
     let moved = |i: usize, j: usize| known.common.map_or(0.0, |common| scaled(common, i, j) * (off / COMMON).powi(2));
     let whole = Symmetric::of(n, |i, j| scaled(seen, i, j) + moved(i, j));
     let whole = whole.with_eigenvalues(|v| v.clamp(1e-18, 1.0));
@@ -102,7 +102,7 @@ pub fn judge(unknown: &Unknown, values: &[f64], known: &Known) -> Judgement {
                 "the chi-squareds that were seen are too few, or too noisy, or say little of it".to_string()
             };
             // Where nothing explains the picture, no other light or view would.
-            if known.misfit < ASTRAY {
+            if !astray {
                 doubts.push(format!("{} is not determined: {why}; {help}", parameters[pivot].name));
             }
         } else {
@@ -117,7 +117,7 @@ pub fn judge(unknown: &Unknown, values: &[f64], known: &Known) -> Judgement {
         let far: Vec<String> = (0..n).filter(|&i| plain(i)).map(far).collect();
         let harm = if far.is_empty() { String::new() } else { format!("; so large an error could move {}", list(&far)) };
         let open: Vec<&str> = (0..n).filter(|&i| standings[i] == Standing::Open).map(|i| parameters[i].name.as_str()).collect();
-        let lost = if known.misfit < ASTRAY || open.is_empty() { String::new() } else { format!("; {} cannot be told by it", list(&open)) };
+        let lost = if astray && !open.is_empty() { format!("; {} cannot be told by it", list(&open)) } else { String::new() };
         let exposed = parameters.iter().any(|p| EXPOSURES.contains(&p.name.as_str()));
         let exposure = if exposed { "" } else { "the exposure (--param exposure=1:.5:2), " };
         doubts.insert(
@@ -155,9 +155,6 @@ fn lusterless(unknown: &Unknown, values: &[f64], seen: &Symmetric) -> bool {
 
 /// The most that it can be then.
 const FAINT: f64 = 0.05;
-
-/// What shapes specular reflection.
-const ROUGHNESSES: [&str; 3] = ["rough", "urough", "vrough"];
 
 /// `red, green and spec are not determined by themselves, only together: red + 0.41 spec = 0.641 ± 0.012, green + …`.
 fn together(parameters: &[Parameter], values: &[f64], covariance: &Symmetric, pivot: usize, partners: &[usize]) -> String {

@@ -5,6 +5,7 @@
 
 use super::{Effort, Recovery};
 use crate::anneal::Parameter;
+use crate::unknown::ROUGHNESSES;
 
 /// The standard error that satisfies when nothing is said: of a colour or a share, of an index of refraction, and of a roughness in terms
 /// of itself, down to the last: what the paper reached.
@@ -62,7 +63,7 @@ impl Effort<'_> {
     /// The standard error that satisfies for a parameter.
     pub fn near(&self, parameter: &Parameter, value: f64) -> f64 {
         self.tolerance.unwrap_or_else(|| match parameter.name.as_str() {
-            "rough" | "urough" | "vrough" => (NEAR_ROUGHNESS * value.abs()).max(NEAREST_ROUGHNESS),
+            name if ROUGHNESSES.contains(&name) => (NEAR_ROUGHNESS * value.abs()).max(NEAREST_ROUGHNESS),
             "ior" => NEAR_INDEX,
             _ => NEAR,
         })

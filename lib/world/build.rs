@@ -227,7 +227,7 @@ impl World {
         let (illum, glow) = (matches!(material, Material::Illum(_)), matches!(material, Material::Glow(..)));
         let (form, extent) = form()?;
         let distant = matches!(form, light::Form::Distant(..));
-        // Nor is a flat spotlight that does not aim to its front one to RADIANCE.
+        // RADIANCE takes a flat spotlight that does not aim to its front for no lamp.
         let averted = match (material, extent.facing) {
             (Material::Spotlight(_, _, aim), Facing::Front(normal)) => aim.normalize().dot(normal) <= 1e-6,
             _ => false,

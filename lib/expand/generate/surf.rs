@@ -129,19 +129,15 @@ struct Surface<'a> {
 impl Surface<'_> {
     /// Prints what stands between four vertices: (s, t) low low, low high, high low, high high. Between three it is a triangle.
     fn square(&mut self, corners: [Option<Vertex>; 4], even: bool) {
-        let missing: Vec<usize> = (0..4).filter(|&i| corners[i].is_none()).collect();
-        let (corners, even) = match (missing[..].first(), missing.len()) {
-            (Some(&i), 1) => {
-                // Instead of it one that makes the square a parallelogram; the diagonal is the one that cuts it off.
-                let [beside, other, across] = [i ^ 1, i ^ 2, i ^ 3].map(|i| corners[i]);
-                let (Some(beside), Some(other), Some(across)) = (beside, other, across) else { return };
-                let normal = (beside.normal + other.normal).normalize_or_zero();
-                let mut corners = corners;
-                corners[i] = Some(Vertex { point: beside.point + other.point - across.point, normal });
-                (corners, i == 1 || i == 2)
-            }
-            _ => (corners, even),
-        };
+        let missing = corners.iter().position(Option::is_none);
+        let (mut corners, mut even) = (corners, even);
+        if let Some(i) = missing {
+            // Instead of it one that makes the square a parallelogram; the diagonal is the one that cuts it off.
+            let [Some(beside), Some(other), Some(across)] = [i ^ 1, i ^ 2, i ^ 3].map(|i| corners[i]) else { return };
+            let normal = (beside.normal + other.normal).normalize_or_zero();
+            corners[i] = Some(Vertex { point: beside.point + other.point - across.point, normal });
+            even = i == 1 || i == 2;
+        }
         let [Some(a), Some(b), Some(c), Some(d)] = corners else { return };
         let [p, q, r, s] = [a, b, c, d].map(|v| v.point);
         // Diagonals change direction from one square to the next along t.
@@ -157,15 +153,16 @@ impl Surface<'_> {
             (cross.length() > TINY * e.length() * f.length() && (b - c).length() > 0.0).then(|| cross.normalize())
         });
         if let [Some(u), Some(v)] = normals
-            && missing.is_empty()
+            && missing.is_none()
             && u.cross(v).length() <= TINY
             && u.dot(v) > 0.0
         {
             return self.polygon(&whole, u, [a, b, c, d]);
         }
-        for (triangle, normal) in [first, second].iter().zip(normals) {
-            let there = missing.iter().all(|&i| !triangle.contains(&[p, q, r, s][i]));
-            if let Some(normal) = normal.filter(|_| there) {
+        // Each leaves out one corner.
+        let without = if even { [1, 2] } else { [3, 0] };
+        for ((triangle, normal), without) in [first, second].iter().zip(normals).zip(without) {
+            if let Some(normal) = normal.filter(|_| missing.is_none_or(|i| i == without)) {
                 self.polygon(triangle, normal, [a, b, c, d]);
             }
         }
