@@ -168,6 +168,8 @@ fn a_budget_that_ends_before_the_tolerance_is_status_1() {
     let go = |steps: &str| run(directory.path(), &["--exec", FAKE, "--steps", steps, "--tolerance", "1e-3", "start.rad"]);
     let (short, long) = (go("30"), go("300"));
     assert_eq!((short.status.code(), long.status.code()), (Some(1), Some(0)));
+    assert!(text(&short.stderr).contains("give it more --steps or --time"), "{}", text(&short.stderr));
+    assert_eq!(text(&long.stderr), "");
     assert!(worst(&reals(&text(&short.stdout))) < 1.0);
     assert!(worst(&reals(&text(&long.stdout))) < 1e-3);
 }

@@ -100,6 +100,22 @@ fn a_lamp_tells() {
 }
 
 #[test]
+fn in_less_time_it_is_less_sure() {
+    let scene = format!("{UNIFORM}{LAMP}{STILL}");
+    let directory = photographed("plastic it 0 0 5 .6 .4 .2 .1 .2", &scene, "-x 64 -y 64 --spp 64 --seed 5 -ab 2 -o target.hdr");
+    let lines = |time: &str| {
+        let arguments = format!("-ab 2 {time} --scene scene.rad --target target.hdr start.rad");
+        let done = run(env!("CARGO_BIN_EXE_anneal"), directory.path(), &arguments);
+        String::from_utf8(done.stdout).unwrap().lines().filter_map(|l| l.strip_prefix("# ")).map(String::from).collect::<Vec<_>>()
+    };
+    let (hurried, whole) = (lines("--time .001"), lines(""));
+    for (name, truth) in ["red", "green", "blue", "spec", "rough"].iter().zip([0.6, 0.4, 0.2, 0.1, 0.2]) {
+        let ((value, error, _), (_, least, _)) = (line(&hurried, name), line(&whole, name));
+        assert!(error > least && (value - truth).abs() < 3.0 * error, "{name}: {value} ± {error}, not {truth} ± {least}");
+    }
+}
+
+#[test]
 fn a_view_that_is_not_the_pictures_is_told() {
     let directory = photographed("plastic it 0 0 5 .6 .4 .2 .1 .2", &format!("{UNIFORM}{BALL}"), "-x 16 -y 16 --spp 4 -o target.hdr");
     for (view, told) in [("-vp 0 -5 1 -vd 0 1 -.2 -vh 30 -vv 30", true), ("-vp 0 -5 1 -vd 0 1 -.2 -vh 26 -vv 26", false)] {

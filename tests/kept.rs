@@ -76,7 +76,9 @@ fn a_state_is_not_taken_for_another_recovery() {
     let path = directory.path();
     done(path, &format!("{ASKED} start.rad"));
     assert!(trouble(path, &format!("{ASKED} --fix rough start.rad")).contains("state: it keeps a recovery with other options; remove it"));
-    assert!(trouble(path, &format!("{ASKED} --seed 1 start.rad")).contains("other options"));
+    for other in ["--seed 1", "--time 60"] {
+        assert!(trouble(path, &format!("{ASKED} {other} start.rad")).contains("other options"));
+    }
     // A round that knows the errors of some values only.
     let mut state: serde_json::Value = serde_json::from_slice(&fs::read(path.join("state")).unwrap()).unwrap();
     state["rounds"][1]["errors"].as_array_mut().unwrap().pop();

@@ -237,7 +237,7 @@ impl Arguments {
         if !self.photo.predict && (self.photo.x.is_some() || self.photo.y.is_some()) {
             return Err(Error::new("-x and -y are the size of a picture that --predict supposes; a --target has its own"));
         }
-        if self.photo.filter == Some(Sharpness::Unknown) && (self.photo.predict || self.photo.direct) {
+        if self.photo.filter == Some(Sharpness::Unknown) && (self.photo.target.is_none() || self.photo.direct) {
             return Err(Error::new("--filter auto finds the filter of a --target without --direct; give its radius here"));
         }
         let words: Vec<&str> = self.words.iter().map(String::as_str).collect();

@@ -6,7 +6,7 @@ use super::{Console, Outcome};
 use crate::anneal::{Annealer, Best, End, Objective, Options};
 use crate::error::{Error, Result};
 use crate::rad::{Document, Number, decode};
-use crate::recover::answer::{Answer, six};
+use crate::recover::answer::{Answer, missed, six};
 use crate::recover::doubts::Known;
 use crate::unknown::{Unknown, Wishes};
 use serde::{Deserialize, Serialize};
@@ -76,6 +76,11 @@ impl Search {
         Ok(Some(Self { kept, unknown }))
     }
 
+    /// The search that is kept in a file.
+    pub fn kept(path: &Path) -> Result<Self> {
+        Self::load(path)?.ok_or_else(|| Error::new(format!("{0}: no such file; begin with anneal propose {0} START.rad", path.display())))
+    }
+
     /// The search that `state` keeps if it is the same as `self`, else `self`; with the number of evaluations, if `steps` says one.
     pub fn taken_up(self, state: &Path, steps: Option<usize>) -> Result<Self> {
         let Some(mut found) = Self::load(state)? else { return Ok(self) };
@@ -132,6 +137,15 @@ impl Search {
         let title = format!("chi2 {} after {} evaluations", six(chi2), annealer.told());
         let answer = self.answer(&values);
         Ok((answer.file(&[title])?, answer.doubts().to_vec()))
+    }
+
+    /// What is lacking at the end in the standard errors that were wished for, if anything is.
+    pub fn lack(&self) -> Option<String> {
+        let (annealer, options) = (&self.kept.annealer, self.kept.annealer.options());
+        match annealer.covariance() {
+            Some(covariance) => missed(annealer.parameters(), &covariance.deviations(), options.tolerance?),
+            None => options.polish.then(|| "the search ended before there were standard errors: give it more --steps or --time".into()),
+        }
     }
 
     /// What there is to say of some values.

@@ -1,6 +1,7 @@
 //! The answer: the file with the values that were found, after what is to be said of them.
 
-use super::doubts::{Judgement, Known, Standing, decimals, digits, judge};
+use super::doubts::{Judgement, Known, Standing, decimals, digits, judge, list};
+use crate::anneal::Parameter;
 use crate::anneal::linear::Symmetric;
 use crate::error::Result;
 use crate::rad::Number;
@@ -103,6 +104,13 @@ impl<'a> Answer<'a> {
         bytes.extend(self.unknown.document(&self.values)?.bytes());
         Ok(bytes)
     }
+}
+
+/// Which standard errors are above a tolerance, if any are.
+pub fn missed(parameters: &[Parameter], errors: &[f64], tolerance: f64) -> Option<String> {
+    let large = parameters.iter().zip(errors).filter(|(_, error)| !(**error <= tolerance));
+    let names: Vec<&str> = large.map(|(parameter, _)| parameter.name.as_str()).collect();
+    (!names.is_empty()).then(|| format!("--tolerance {} is not reached by {}", Number(tolerance), list(&names)))
 }
 
 /// A number with six digits: all that mean anything in a χ².

@@ -197,7 +197,7 @@ fn remedy(unknown: &Unknown, values: &[f64], i: usize) -> &'static str {
 }
 
 /// Words as a list: `a, b and c`.
-fn list(words: &[impl AsRef<str>]) -> String {
+pub fn list(words: &[impl AsRef<str>]) -> String {
     let words: Vec<&str> = words.iter().map(AsRef::as_ref).collect();
     match &words[..] {
         [first @ .., last] if !first.is_empty() => format!("{} and {last}", first.join(", ")),

@@ -52,6 +52,10 @@ const MOST: f64 = 1024.0;
 const FIRST: f64 = 80_000.0;
 const EACH: f64 = 64.0;
 
+/// Where time is limited: the part of the pixels of the first round that is always looked at, and that of the time left which tracing may take.
+const TRIED: f64 = 0.1;
+const TRACED: f64 = 0.8;
+
 /// By how much a round adds to all samples before it, at the least and at the most: errors fall faster than samples grow while the derivatives
 /// are noise too.
 const GROWTH: (f64, f64) = (0.2, 0.8);
@@ -95,14 +99,23 @@ impl Look<'_> {
         let begin = Instant::now();
         let pixels = if self.effort.quick { self.pixels.to_vec() } else { scattered(self.pixels, self.evidence.film.width) };
         let all = pixels.len() as f64;
-        let mut count = if self.effort.quick { all } else { (FIRST / model.least()).floor().min(all) };
-        let mut each = (FIRST / count).min(EACH).floor();
+        let first = if self.effort.quick { all } else { (FIRST / model.least()).floor().min(all) };
+        let mut each = (FIRST / first).min(EACH).floor();
         let mut best = near.to_vec();
         model.tune(&best, None);
         let trace = |model: &dyn Model, numbers: &[usize], samples: f64, seeds: &mut Seeds| {
             model.trace(numbers, &vec![samples as u32; 2 * numbers.len()], seeds.next())
         };
+        // Where time is limited, some of the pixels tell how many of them there is time for.
+        let until = self.effort.until.filter(|_| !self.effort.quick);
+        let mut count = if until.is_some() { (first * TRIED).ceil() } else { first };
         let mut basis = trace(model, &pixels[..count as usize], each, seeds);
+        if let Some(until) = until {
+            let left = until.saturating_duration_since(Instant::now()).as_secs_f64() / begin.elapsed().as_secs_f64();
+            let next = (count * (1.0 + TRACED * left)).floor().min(first);
+            basis.append(trace(model, &pixels[count as usize..next as usize], each, seeds));
+            count = next;
+        }
         for round in 1.. {
             let sheet = Sheet::new(self.evidence, &pixels[..count as usize]);
             let Fit { found, influence, held, withheld } = self.fit(&sheet, model, &basis, &best);

@@ -29,7 +29,7 @@ fn run(arguments: Arguments, console: &Console) -> Outcome<Answer> {
         Job::Propose(state, start) => {
             let search = match start {
                 Some(start) => begin(&start, &arguments, Some(&state))?,
-                None => kept(&state)?,
+                None => Search::kept(&state)?,
             };
             search.save(&state)?;
             match search.proposal()? {
@@ -38,7 +38,7 @@ fn run(arguments: Arguments, console: &Console) -> Outcome<Answer> {
             }
         }
         Job::Tell(state, chi2) => {
-            let mut search = kept(&state)?;
+            let mut search = Search::kept(&state)?;
             let chi2 = match chi2 {
                 Some(chi2) => chi2,
                 None => last_number(&String::from_utf8_lossy(&Input::default().read("-")?.1))
@@ -50,7 +50,7 @@ fn run(arguments: Arguments, console: &Console) -> Outcome<Answer> {
             search.annealer().tell(chi2);
             search.save(&state).map(|()| Answer::Yes)
         }
-        Job::Best(state) => found(&kept(&state)?, None, &arguments, console).map(|()| Answer::Yes),
+        Job::Best(state) => found(&Search::kept(&state)?, None, &arguments, console).map(|()| Answer::Yes),
     }
 }
 
@@ -109,7 +109,9 @@ fn look(start: &str, target: &str, arguments: &Arguments, console: &Console) -> 
         report::of_recovery(path, &found, &answer, &photo, &trail, console)?;
     }
     trail.written()?;
-    Ok(if options.tolerance.is_none_or(|t| found.errors().iter().all(|e| *e <= t)) { Answer::Yes } else { Answer::No })
+    let missed = options.tolerance.and_then(|tolerance| answer::missed(unknown.parameters(), &found.errors(), tolerance));
+    missed.iter().for_each(|missed| console.warn(missed));
+    Ok(if missed.is_none() { Answer::Yes } else { Answer::No })
 }
 
 /// Searches for the unknown with someone who judges each candidate.
@@ -124,6 +126,7 @@ fn anneal(
     let watch = Watch { state: state.as_deref(), log: log.as_deref(), time: arguments.time(), steps: *steps, console };
     let reached = search.run(judge, &watch)?;
     found(&search, photo, arguments, console)?;
+    search.lack().iter().for_each(|lack| console.warn(lack));
     Ok(if reached { Answer::Yes } else { Answer::No })
 }
 
@@ -135,11 +138,6 @@ fn begin(start: &str, arguments: &Arguments, state: Option<&Path>) -> Outcome<Se
         Some(state) => search.taken_up(state, arguments.search.steps)?,
         None => search,
     })
-}
-
-fn kept(state: &Path) -> Outcome<Search> {
-    let begin = || Error::new(format!("{0}: no such file; begin with anneal propose {0} START.rad", state.display()));
-    Ok(Search::load(state)?.ok_or_else(begin)?)
 }
 
 fn found(search: &Search, photo: Option<&Photo>, arguments: &Arguments, console: &Console) -> Outcome<()> {
