@@ -158,6 +158,11 @@ pub struct Bsdf {
     functions: Option<Box<(Arc<Functions>, Seen)>>,
 }
 
+/// Whether a rough lobe of this share gathers indirect light (`-st`).
+fn gathers(rules: &Rules, share: f64) -> bool {
+    rules.specular_threshold < share - 1e-6 || rules.specular_threshold == 0.0
+}
+
 impl Bsdf {
     /// What `material` does at `point` with the pattern `pattern`.
     pub fn new(material: &Material, point: &Point, pattern: Rgb, rules: &Rules) -> Self {
@@ -180,7 +185,7 @@ impl Bsdf {
         }
     }
 
-    /// BRTDfunc at a hit (semantics 3.8): coefficients of the mirror direction and of the straight one, diffuse parts, a function for lamps.
+    /// BRTDfunc at a hit: coefficients of the mirror direction and of the straight one, diffuse parts, a function for lamps.
     pub fn functions(m: &FunctionMaterial, at: &At, point: &Point, pattern: Rgb) -> Self {
         let mut bsdf = Self::black(point);
         let seen = m.functions.seen(at, point.shading, bsdf.to_viewer.z, pattern);
@@ -202,7 +207,7 @@ impl Bsdf {
         bsdf
     }
 
-    /// ashik2 (semantics 3.5). RADIANCE leaves out the Fresnel term of the diffuse part where it gathers indirect light.
+    /// ashik2. RADIANCE leaves out the Fresnel term of the diffuse part where it gathers indirect light.
     fn ashikhmin(point: &Point, m: &Ashikhmin, pattern: Rgb, rules: &Rules) -> Self {
         let mut bsdf = Self::black(point);
         bsdf.diffuse[0] = m.diffuse * pattern;
@@ -214,7 +219,7 @@ impl Bsdf {
                 let mean = 2.0 / (1.0 / (u + 1e-5) + 1.0 / (v + 1e-5));
                 [mean, mean]
             });
-            let gathers = bright(m.specular) - 1e-6 > rules.specular_threshold || rules.specular_threshold == 0.0;
+            let gathers = gathers(rules, bright(m.specular));
             bsdf.lobes[0] = Some(Lobe { color, form: Form::Power, alpha, gathers });
             if !gathers {
                 bsdf.ambient[0] += color;
@@ -252,7 +257,7 @@ impl Bsdf {
         }
     }
 
-    /// Plastic, metal, trans, plastic2, metal2 and trans2 (semantics 3.3, 3.4).
+    /// Plastic, metal, trans, plastic2, metal2 and trans2.
     pub fn reflectance(point: &Point, m: &Reflectance, rules: &Rules) -> Self {
         let mut bsdf = Self::black(point);
         let pure = m.isotropic && m.roughness[0].abs() <= PURE;
@@ -286,12 +291,7 @@ impl Bsdf {
             alpha => bsdf.orient(point, alpha, |[u, v]| [(0.5 * (u + v)).max(1e-12); 2]),
         };
         let lobe = |weight: f64, color: Rgb| {
-            (weight > 1e-6).then_some(Lobe {
-                color,
-                form: Form::Gaussian,
-                alpha,
-                gathers: rules.specular_threshold < weight - 1e-6 || rules.specular_threshold == 0.0,
-            })
+            (weight > 1e-6).then_some(Lobe { color, form: Form::Gaussian, alpha, gathers: gathers(rules, weight) })
         };
         bsdf.lobes = [lobe(m.specularity, specular_color), lobe(straight, m.color * straight)];
         for side in 0..2 {
@@ -318,7 +318,7 @@ impl Bsdf {
         [u, v]
     }
 
-    /// What a polished surface reflects toward the viewer whatever it is made of (semantics 3.3).
+    /// What a polished surface reflects toward the viewer whatever it is made of.
     pub fn fresnel(&self, rules: &Rules) -> f64 {
         fresnel(self.to_viewer.z.max(0.001), rules.fresnel_offset)
     }
@@ -398,7 +398,7 @@ impl Bsdf {
     }
 
     /// What RADIANCE makes of a bent normal where it gathers indirect light by a reflecting lobe: its samples are weighted by the cosines to
-    /// the geometric normal instead (semantics 3.9), and the lobe is this many times as strong.
+    /// the geometric normal instead, and the lobe is this many times as strong.
     pub fn tilt(&self, wi: Vec3) -> f64 {
         if !self.bent {
             return 1.0;
@@ -499,7 +499,7 @@ impl Bsdf {
     }
 
     /// One sample of a rough lobe by RADIANCE's rule (`-ss` at most 1.5): a local direction that carries the whole colour of the lobe, as it is
-    /// accepted within ten tries (semantics 3.9). Below 1, `-ss` narrows the lobe; at 0 it is a mirror.
+    /// accepted within ten tries. Below 1, `-ss` narrows the lobe; at 0 it is a mirror.
     pub fn unweighted(&self, part: Part, spread: f64, sampler: &mut Sampler) -> Option<(Vec3, Rgb)> {
         let lobe = self.lobes[part.side()].filter(|l| l.gathers)?;
         let (color, spread) = (lobe.color, if lobe.form == Form::Power { 1.0 } else { spread });

@@ -279,33 +279,6 @@ impl Library {
         })
     }
 
-    /// Whether a variable, function or output channel (`$1`) of that name is defined, as seen from `file`.
-    pub fn is_defined(&mut self, name: &str, file: FileId) -> bool {
-        let symbol = self.find(name, file);
-        self.symbols[symbol].meaning.is_some() || self.function_of(symbol).is_some()
-    }
-
-    /// The program of the output channels `$1 = ..`, `$2 = ..` to the last one that is defined (in no file); those between are 0.
-    ///
-    /// # Errors
-    /// As [`Library::compile`].
-    pub fn outputs(&mut self, arguments: &[f64]) -> Result<Program> {
-        let channel = |name: &String| name.strip_prefix('$').and_then(|n| n.parse::<usize>().ok());
-        let last = self.index.keys().filter_map(channel).max().unwrap_or(0).min(MAX_OUTPUTS);
-        let mut lowering = Lowering::new(self, arguments);
-        let zero = parse::Node { expression: Expression::Number(0.0), left: 0 };
-        let nowhere = Text::of(("", None));
-        let mut roots = Vec::new();
-        for n in 1..=last {
-            let meaning = self.index.get(&format!("${n}")).and_then(|&symbol| self.symbols[symbol].meaning.as_ref());
-            roots.push(match meaning {
-                Some(Meaning::Variable(definition)) => lowering.expression(&definition.statement.body, &definition.text)?,
-                _ => lowering.expression(&zero, &nowhere)?,
-            });
-        }
-        lowering.finish(&roots, 0).ok_or_else(|| too_large(&[]))
-    }
-
     fn ship(&mut self, name: &'static str) {
         let text = shipped(name).unwrap_or_default();
         let defined = self.define(Source::new(name, text), FileId::GLOBAL);
@@ -384,9 +357,6 @@ impl Library {
         }
     }
 }
-
-/// How many output channels there may be.
-const MAX_OUTPUTS: usize = 1000;
 
 struct Symbol {
     /// The function of the language with that name, if it is a global one.

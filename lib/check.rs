@@ -3,7 +3,8 @@
 use crate::error::Error;
 use crate::expand::Flat;
 use crate::geometry::Shape;
-use crate::rad::{Class, Link, Links, Primitive, Reals, Type};
+use crate::material::is_of_lamps;
+use crate::rad::{Class, Link, Links, Primitive, Type};
 use crate::resolve::Resolve;
 use crate::scene::Scene;
 use crate::transform::Transform;
@@ -37,7 +38,7 @@ pub fn check(flat: &Flat, resolve: &dyn Resolve) -> Problems {
             continue;
         }
         // The arguments of a modifier that nothing uses do no harm.
-        if let Err(error) = arguments(primitive, kind) {
+        if let Err(error) = primitive.complete() {
             if used[i] { checker.problems.errors.push(error) } else { checker.problems.warnings.push(error) }
         }
     }
@@ -56,8 +57,8 @@ struct Checker<'a> {
     problems: Problems,
     /// Where each name is first that of a modifier, and which names are those of surfaces.
     later: (HashMap<&'a str, usize>, HashSet<&'a str>),
-    /// What reading a file that surfaces name came to.
-    files: HashMap<String, Option<String>>,
+    /// Of each file that surfaces name whether it is none of RADIANCE's; or why it cannot be read.
+    files: HashMap<String, Result<bool, String>>,
 }
 
 impl Checker<'_> {
@@ -129,38 +130,30 @@ impl Checker<'_> {
         let class = |j: &usize| self.primitives[*j].type_of().map(|t| t.class);
         let Some(&material) = chain.iter().find(|j| class(j) == Some(Class::Material)) else { return };
         let (primitive, material) = (&self.primitives[i], &self.primitives[material]);
-        let shines = match material.kind.as_str() {
-            "light" | "illum" | "spotlight" => true,
-            "glow" => material.reals.get(3).is_some_and(|&radius| radius > 0.0),
-            _ => false,
-        };
-        if let Some(Err(reason)) = shape.filter(|_| shines).map(|s| s.light()) {
+        if let Some(Err(reason)) = shape.filter(|_| is_of_lamps(material)).map(|s| s.light()) {
             self.error(primitive.error(format!("`{}` is a {} on a {}: {reason}", primitive.name, material.kind, primitive.kind)));
         }
     }
 
     /// Checks the file that a mesh or an instance names, and where it is put.
     fn file(&mut self, primitive: &Primitive, resolve: &dyn Resolve) {
-        let Some((name, words)) = primitive.strings.split_first() else {
+        let Some(name) = primitive.strings.first() else {
             return self.error(primitive.error(format!("{} needs the name of a file", primitive.kind)));
         };
-        match Transform::parse(words) {
-            Ok((_, used)) if used < words.len() => {
-                let error = primitive.string_error(used + 1, format!("`{}` is no transform", words[used]));
-                self.error(error);
-            }
-            Ok(_) => {}
-            Err(error) => self.error(primitive.error(error.message)),
+        if let Err(error) = Transform::of(primitive, 1) {
+            self.error(error);
         }
-        let read = self.files.entry(name.clone()).or_insert_with(|| match resolve.library(name) {
-            Ok(bytes) if !bytes.starts_with(b"#?RADIANCE") => {
-                Some(format!("{name}: not a file of RADIANCE's; make it with obj2mesh or oconv"))
+        let foreign = |bytes: Vec<u8>| !bytes.starts_with(b"#?RADIANCE");
+        let read = self.files.entry(name.clone()).or_insert_with(|| resolve.library(name).map(foreign).map_err(|error| error.message));
+        match read.clone() {
+            Ok(false) => {}
+            Ok(true) if primitive.kind == "mesh" => {
+                self.problems
+                    .warnings
+                    .push(primitive.string_error(0, format!("{name}: oconv does not read it; obj2mesh makes a mesh of it")));
             }
-            Ok(_) => None,
-            Err(error) => Some(error.message),
-        });
-        if let Some(message) = read.clone() {
-            self.error(primitive.string_error(0, message));
+            Ok(true) => self.error(primitive.string_error(0, format!("{name}: not an octree; make it with oconv"))),
+            Err(message) => self.error(primitive.string_error(0, message)),
         }
     }
 
@@ -173,31 +166,12 @@ fn names(primitives: &[Primitive]) -> (HashMap<&str, usize>, HashSet<&str>) {
     let (mut modifiers, mut surfaces) = (HashMap::new(), HashSet::new());
     for (i, primitive) in primitives.iter().enumerate() {
         if primitive.type_of().is_some_and(Type::is_modifier) {
-            modifiers.insert(primitive.name.as_str(), i);
+            modifiers.entry(primitive.name.as_str()).or_insert(i);
         } else {
             surfaces.insert(primitive.name.as_str());
         }
     }
     (modifiers, surfaces)
-}
-
-/// Checks how many arguments a modifier has.
-fn arguments(primitive: &Primitive, kind: &Type) -> Result<(), Error> {
-    let (strings, reals, name) = (primitive.strings.len(), primitive.reals.len(), kind.name);
-    let (least, most) = kind.strings;
-    if strings < least || strings > most {
-        let needed = if most == least { least.to_string() } else { format!("{least} or more") };
-        return Err(primitive.error(format!("{name} needs {needed} string arguments, not {strings}")));
-    }
-    let (fits, needed) = match kind.reals {
-        Reals::Of(counts) => {
-            let counts_in_words: Vec<String> = counts.iter().map(usize::to_string).collect();
-            (counts.contains(&reals), counts_in_words.join(" or "))
-        }
-        Reals::From(least) => (reals >= least, format!("{least} or more")),
-        Reals::Vertices => (reals >= 9 && reals.is_multiple_of(3), "three for each of at least three vertices".into()),
-    };
-    if fits { Ok(()) } else { Err(primitive.error(format!("{name} needs {needed} real arguments, not {reals}"))) }
 }
 
 #[cfg(test)]
@@ -209,7 +183,7 @@ mod tests {
     use crate::resolve::Files;
 
     fn problems(text: &str) -> (Vec<String>, usize) {
-        let files = Files::of([("a.rtm", &b"#?RADIANCE\n"[..]), ("b.rtm", b"solid")]);
+        let files = Files::of([("a.rtm", &b"#?RADIANCE\n"[..]), ("b.rtm", b"solid"), ("c.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")]);
         let flat = expand(vec![Document::parse(Source::new("t.rad", text)).unwrap()], &files).unwrap();
         let problems = check(&flat, &files);
         (problems.errors.iter().map(Error::to_string).collect(), problems.warnings.len())
@@ -228,14 +202,15 @@ mod tests {
             ("void cone s 0 0 7 0 0 0 1 1 1 2", "cone needs 8"),
             ("void mesh s 0 0 0", "mesh needs the name of a file"),
             ("void mesh s 1 none.rtm 0 0", "1:15: error: none.rtm: no such file"),
-            ("void mesh s 1 b.rtm 0 0", "b.rtm: not a file of RADIANCE's"),
+            ("void instance s 1 b.rtm 0 0", "b.rtm: not an octree"),
             ("void mesh s 2 a.rtm -t 0 0", "`-t` needs three numbers"),
-            ("void mesh s 3 a.rtm -mx x 0 0", "1:25: error: `x` is no transform"),
+            ("void mesh s 3 a.rtm -mx x 0 0", "1:25: error: `x` is no part of a transform"),
             ("void sphere \"a\tb\" 0 0 4 0 0 0 1", "may not hold a tab"),
             (
                 "\nx sphere s 0 0 4 0 0 0 1\nvoid plastic x 0 0 5 1 1 1 0 0",
                 "2:1: error: undefined modifier `x`: it is defined only later, in t.rad line 3",
             ),
+            ("x sphere s 0 0 4 0 0 0 1\nvoid metal x 0 0 5 1 1 1 1 0\nvoid plastic x 0 0 5 1 1 1 0 0", "only later, in t.rad line 2"),
             ("void sphere x 0 0 4 0 0 0 1 x sphere s 0 0 4 0 0 0 1", "only a surface has that name"),
         ] {
             let (errors, _) = problems(text);
@@ -257,6 +232,7 @@ mod tests {
             ("void sphere s 0 0 4 0 0 0 0", 0, 1),
             ("void polygon p 0 0 12 0 0 0 1 0 0 1 1 .1 0 1 0", 0, 1),
             ("void sphere s 1 surplus 0 4 0 0 0 1", 0, 0),
+            ("void mesh m 1 c.obj 0 0", 0, 1),
         ] {
             let (found, warned) = problems(text);
             assert_eq!((found.len(), warned), (errors, warnings), "{text}: {found:?}");

@@ -10,7 +10,7 @@ mod shell;
 mod xform;
 
 use crate::error::{Error, Result, Source, Span};
-use crate::rad::{Document, Primitive, Statement, decode, word};
+use crate::rad::{Document, ERROR_LIMIT, Primitive, Statement, decode, word};
 use crate::resolve::Resolve;
 use shell::{Stage, pipeline, quoted};
 use std::collections::HashMap;
@@ -24,8 +24,6 @@ const DEPTH_LIMIT: usize = 64;
 const COMMAND_LIMIT: usize = 1_000_000;
 /// Most primitives that commands may make, copies at every level of nesting counted.
 const PRIMITIVE_LIMIT: usize = 4_000_000;
-/// After so many errors no more are looked for.
-const ERROR_LIMIT: usize = 1000;
 
 /// A description without commands.
 #[derive(Clone, Debug, Default)]
@@ -215,7 +213,9 @@ impl Expander<'_> {
             None => {
                 let there = if folder.is_empty() { text.clone() } else { format!("cd {} && {text}", quoted(folder)) };
                 let bytes = self.resolve.command(&there).map_err(|e| span.error(e.message))?;
-                self.read(&format!("!{text}"), bytes)?
+                let items = self.read(&format!("!{text}"), bytes)?;
+                self.count(items.len()).map_err(|e| span.error(e.message))?;
+                items
             }
         };
         if !items.iter().any(|i| matches!(i, Item::Primitive(_) | Item::Command(_))) {
@@ -270,6 +270,15 @@ impl Expander<'_> {
         };
         let text = printed.map_err(Stop::Failed)?;
         out.append(&mut self.read(&format!("!{}", stage.words.join(" ")), text.into_bytes()).map_err(fatal)?);
+        self.count(out.len()).map_err(fatal)
+    }
+
+    /// Counts what a command makes; an error if that is too much by now.
+    fn count(&mut self, more: usize) -> Result<()> {
+        self.made = self.made.saturating_add(more);
+        if self.made > PRIMITIVE_LIMIT {
+            return Err(Error::new(format!("commands make more than {PRIMITIVE_LIMIT} primitives; make smaller arrays")));
+        }
         Ok(())
     }
 
@@ -285,7 +294,7 @@ impl Expander<'_> {
                 out.append(&mut items);
             }
         }
-        Ok(())
+        self.count(out.len()).map_err(fatal)
     }
 
     /// The items of a scene file, its commands not carried out.
@@ -317,12 +326,11 @@ impl Expander<'_> {
             }
         }
         let size: usize = inputs.iter().map(|items| items.len()).sum();
-        self.made = self.made.saturating_add(size.saturating_mul(xform.copies.len()));
         // What would become too many is refused before the first copy.
         let copies = std::mem::replace(&mut self.copies, around);
-        if self.made.max(size.saturating_mul(copies)) > PRIMITIVE_LIMIT {
-            return Err(fatal(Error::new(format!("commands make more than {PRIMITIVE_LIMIT} primitives; make smaller arrays"))));
-        }
+        let made = self.made;
+        self.count(size.saturating_mul(copies)).map_err(fatal)?;
+        self.made = made.saturating_add(size.saturating_mul(xform.copies.len()));
         out.reserve(size * xform.copies.len());
         for copy in &xform.copies {
             out.extend(inputs.iter().flat_map(|items| items.iter()).map(|item| copy.of(item)));

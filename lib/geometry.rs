@@ -11,7 +11,7 @@ mod reflect;
 mod sample;
 mod shape;
 
-pub use light::{Facing, LightShape};
+pub use light::{Facing, LightShape, SPHERE_BOX};
 pub use mesh::Mesh;
 pub use polygon::Polygon;
 pub use quadric::{Cone, Ring, Sphere};
@@ -23,6 +23,9 @@ use crate::vector::Vec3;
 
 /// The distance below which RADIANCE takes two places for one (its FTINY), in scenes of ordinary size.
 pub const TINY: f64 = 1e-6;
+
+/// RADIANCE's infinity: how far what is beyond all surfaces is.
+pub const FAR: f64 = 1e10;
 
 /// How many levels deep instances may be nested.
 pub const LEVELS: usize = 8;

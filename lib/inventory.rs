@@ -2,6 +2,7 @@
 
 use crate::expand::Flat;
 use crate::geometry::{Bounds, Shape};
+use crate::material::is_of_lamps;
 use crate::rad::{Class, Links, Number, Primitive, Type};
 use crate::support::{Feature, SUPPORT};
 use std::collections::BTreeMap;
@@ -69,12 +70,7 @@ impl Inventory {
     fn surface(&mut self, primitive: &Primitive, chain: &[&Primitive]) {
         let class = |p: &&&Primitive, class| p.type_of().is_some_and(|t: &Type| t.class == class);
         let material = chain.iter().find(|p| class(p, Class::Material));
-        let radius = material.and_then(|m| m.reals.get(3)).copied().unwrap_or(0.0);
-        let shines = material.is_some_and(|m| match m.kind.as_str() {
-            "light" | "illum" | "spotlight" => true,
-            "glow" => radius > 0.0,
-            _ => false,
-        });
+        let shines = material.is_some_and(|m| is_of_lamps(m));
         match primitive.kind.as_str() {
             "source" => {
                 let angle = primitive.reals.get(3).copied().unwrap_or(0.0);

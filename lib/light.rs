@@ -3,7 +3,7 @@
 //! A lamp is a surface or a distant source whose material is a light, a spotlight, an illum, or a glow with a radius. Directions
 //! point from the lit point to the lamp. How bright it is there is the world's to say.
 
-use crate::geometry::{AreaSampler, Facing, LightShape, Plane, Ray, Shape};
+use crate::geometry::{AreaSampler, Facing, LightShape, Plane, Ray, SPHERE_BOX, Shape};
 use crate::sampling::cone;
 use crate::vector::{Frame, Vec3};
 use std::f64::consts::PI;
@@ -15,7 +15,7 @@ pub struct Lamp {
     pub form: Form,
     /// As RADIANCE's direct calculation sees it.
     pub extent: LightShape,
-    /// Its brightness for choosing among lamps: the radiance it emits, without patterns.
+    /// Its brightness for choosing among lamps: the radiance it emits, in W/(sr·m²), without patterns.
     pub brightness: f64,
     /// The distance within which it lights: infinite but for a glow.
     pub radius: f64,
@@ -143,7 +143,7 @@ impl Lamp {
         }
     }
 
-    /// Shows `out` the samples that RADIANCE's direct calculation takes (semantics 3.11): the centre of each part, moved at random over the
+    /// Shows `out` the samples that RADIANCE's direct calculation takes: the centre of each part, moved at random over the
     /// fraction `jitter` of its extent, and the solid angle it stands for. A surface is divided until its parts are smaller than
     /// `fraction` of their distance; 0 leaves it whole.
     pub fn parts(&self, from: Vec3, jitter: f64, fraction: f64, draw: &mut dyn FnMut() -> [f64; 2], out: &mut dyn FnMut(ToLamp)) {
@@ -170,7 +170,7 @@ impl Lamp {
             return [u * reach * (1.0 - 0.5 * v * v).sqrt(), v * reach * (1.0 - 0.5 * u * u).sqrt(), 0.0];
         }
         let (largest, sum) = ((u * u).max(v * v).max(w * w), u * u + v * v + w * w);
-        let reach = if sum > 1e-12 { (largest / sum).sqrt() / 0.7236 } else { 0.0 };
+        let reach = if sum > 1e-12 { (largest / sum).sqrt() / SPHERE_BOX } else { 0.0 };
         [u * reach, v * reach, w * reach]
     }
 

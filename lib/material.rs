@@ -2,6 +2,7 @@
 
 use crate::color::Rgb;
 use crate::error::Result;
+use crate::geometry::TINY;
 use crate::pattern::{Functions, Sources};
 use crate::rad::Primitive;
 use crate::vector::{Vec3, one_minus_cos};
@@ -61,15 +62,15 @@ pub struct FunctionMaterial {
 /// The numbers of plastic, metal, trans and their anisotropic kin.
 #[derive(Clone, Copy, Debug)]
 pub struct Reflectance {
-    /// A1 to A3 times the pattern.
+    /// A1 to A3: reflectance per channel, 0 to 1, without the pattern.
     pub color: Rgb,
-    /// A4, the specularity.
+    /// A4, the specularity, 0 to 1.
     pub specularity: f64,
-    /// A5, the roughness, once or along u and v.
+    /// A5, the roughness, once or along u and v: the root mean square slope of the facets, not its square.
     pub roughness: [f64; 2],
-    /// A6, the total transmission.
+    /// A6, the total transmission, 0 to 1.
     pub transmission: f64,
-    /// A7, the specular fraction of it.
+    /// A7, the specular fraction of it, 0 to 1.
     pub transmitted_specular: f64,
     /// Whether the specular part is coloured: metal.
     pub metal: bool,
@@ -82,7 +83,7 @@ pub struct Reflectance {
 /// A transparent medium.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Medium {
-    /// What a unit of length transmits, per channel.
+    /// What a unit of length transmits, per channel, 0 to 1; of glass, what its pane does at normal incidence, reflections aside.
     pub transmissivity: Rgb,
     /// Index of refraction.
     pub index: f64,
@@ -112,7 +113,7 @@ impl Inside {
         Self { extinction, unknown: false }
     }
 
-    /// The part of the light that `length` of it lets through, with RADIANCE's cuts (semantics 3.6).
+    /// The part of the light that `length` of it lets through, with RADIANCE's cuts.
     pub fn transmittance(&self, length: f64) -> Rgb {
         if self.extinction == Rgb::ZERO {
             return Rgb::ONE;
@@ -132,14 +133,11 @@ impl Inside {
 
 /// Roughness at or below this is none at all: a mirror (RADIANCE, `a² ≤ 1e-6`).
 pub const PURE: f64 = 0.001;
-/// Specularity from which what is that smooth has a Fresnel term (semantics 3.3).
+/// Specularity from which what is that smooth has a Fresnel term.
 pub const FRESNEL_FROM: f64 = 0.017999;
 
-/// What is outside a dielectric.
-pub const AIR: Medium = Medium { transmissivity: Rgb::ONE, index: 1.0 };
-
 impl Medium {
-    /// Extinction per unit length, −ln of the transmissivity times `pattern`: 100 for black, 0 for clear (semantics 3.6).
+    /// Extinction per unit length, −ln of the transmissivity times `pattern`: 100 for black, 0 for clear.
     pub fn extinction(&self, pattern: Rgb) -> Rgb {
         (self.transmissivity * pattern).to_array().map(|t| if t < 1e-40 { 100.0 } else { (-t.ln()).max(0.0) }).into()
     }
@@ -147,6 +145,20 @@ impl Medium {
 
 /// Index of refraction of glass that does not give one.
 pub const GLASS_INDEX: f64 = 1.52;
+
+/// The index of refraction of a dielectric: Hartmann's constant shifts it even where dispersion is not modelled.
+pub fn hartmann(index: f64, constant: f64) -> f64 {
+    index + constant / 500.0
+}
+
+/// Whether a primitive is a material of lamps: any that shines but a glow that lights no distance.
+pub fn is_of_lamps(primitive: &Primitive) -> bool {
+    match primitive.kind.as_str() {
+        "light" | "illum" | "spotlight" => true,
+        "glow" => primitive.reals.get(3).is_some_and(|&radius| radius > TINY),
+        _ => false,
+    }
+}
 
 impl Material {
     /// The material that `primitive` defines. `None` if its type is not a material that is rendered.
@@ -191,8 +203,7 @@ impl Material {
             }
             "dielectric" => {
                 a.count(&[5])?;
-                // Hartmann's constant shifts the index even where dispersion is not modelled (semantics 3.6).
-                Self::Dielectric(Medium { transmissivity: a.rgb(0), index: a.real(3) + a.real(4) / 500.0 })
+                Self::Dielectric(Medium { transmissivity: a.rgb(0), index: hartmann(a.real(3), a.real(4)) })
             }
             "interface" => {
                 a.count(&[8])?;

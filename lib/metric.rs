@@ -70,6 +70,9 @@ impl Measures {
 
     /// Peak signal to noise ratio in decibels: the peak is the reference's largest value. Infinite if there is no difference.
     pub fn psnr(&self) -> f64 {
+        if self.mse == 0.0 {
+            return f64::INFINITY;
+        }
         10.0 * (self.peak * self.peak / self.mse).log10()
     }
 }
@@ -267,6 +270,8 @@ mod tests {
         let m = Comparison::new(named(&a), named(&b), None, None).unwrap().measure();
         assert_eq!((m.chi2, m.mse, m.max, m.max_at, m.peak, m.pixels), (0.25 + 4.0 + 1.0, 5.25 / 6.0, 2.0, (0, 0, 2), 4.0, 2));
         assert_eq!((m.rmse(), m.psnr()), ((5.25f64 / 6.0).sqrt(), 10.0 * (16.0 * 6.0 / 5.25f64).log10()));
+        let black = picture(&[[0.0; 3]]);
+        assert_eq!(Comparison::new(named(&black), named(&black), None, None).unwrap().measure().psnr(), f64::INFINITY);
     }
 
     #[test]

@@ -110,18 +110,6 @@ impl Pattern {
         self.kind.constant()
     }
 
-    /// Whether it depends on nothing but the direction of travel, as the environment does.
-    pub fn depends_on_direction_only(&self) -> bool {
-        let only = |program: &Program| program.reads_only(Ray::DIRECTION..Ray::DIRECTION + 3);
-        match &self.kind {
-            Kind::Constant(_) => true,
-            Kind::One(program) | Kind::Three(program) => only(program),
-            Kind::Picture(_, Mapping::Program(program), apply) => only(program) && apply.depends_on_nothing_else(),
-            Kind::Picture(_, _, apply) => apply.depends_on_nothing_else(),
-            Kind::OneTable(_, program, apply) | Kind::ThreeTables(_, program, apply) => only(program) && apply.depends_on_nothing_else(),
-        }
-    }
-
     /// The picture and how it is mapped, if there is one.
     pub fn picture(&self) -> Option<(&Arc<Raster>, &Mapping)> {
         match &self.kind {
@@ -241,13 +229,6 @@ impl Apply {
             Self::Three(program) => Ok(Vec3::from_array(program.call(&ray().context(), &values)?)),
             Self::OneOfThree(program) => Ok(Vec3::splat(program.call::<1>(&ray().context(), &values)?[0])),
             Self::One(program) => Ok(Vec3::splat(program.call::<1>(&ray().context(), &values[..1])?[0])),
-        }
-    }
-
-    fn depends_on_nothing_else(&self) -> bool {
-        match self {
-            Self::Keep | Self::AtLeastZero => true,
-            Self::Three(program) | Self::OneOfThree(program) | Self::One(program) => program.reads_only(0..3),
         }
     }
 }

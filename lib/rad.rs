@@ -40,6 +40,9 @@ pub struct Primitive {
     words: Arc<[u32]>,
 }
 
+/// After so many errors no more are looked for.
+pub const ERROR_LIMIT: usize = 1000;
+
 /// One statement of a scene file.
 #[derive(Clone, Debug)]
 pub enum Statement {
@@ -65,13 +68,17 @@ pub struct Document {
 impl Document {
     /// The statements of `source`, or the first error.
     pub fn parse(source: Arc<Source>) -> Result<Self> {
-        let (document, errors) = Self::parse_all_errors(source);
+        let (document, errors) = Self::parse_some_errors(source, 1);
         errors.into_iter().next().map_or(Ok(document), Err)
     }
 
-    /// The statements that could be read, and everything that is wrong with the others.
+    /// The statements that could be read, and what is wrong with the others.
     pub fn parse_all_errors(source: Arc<Source>) -> (Self, Vec<Error>) {
-        let (statements, errors) = parse::statements(&source);
+        Self::parse_some_errors(source, ERROR_LIMIT)
+    }
+
+    fn parse_some_errors(source: Arc<Source>, limit: usize) -> (Self, Vec<Error>) {
+        let (statements, errors) = parse::statements(&source, limit);
         (Self { source, statements, changes: BTreeMap::new() }, errors)
     }
 
@@ -102,6 +109,22 @@ impl Primitive {
     /// Its type's entry in [`TYPES`]; `None` only for a primitive that was not parsed.
     pub fn type_of(&self) -> Option<&'static Type> {
         Type::named(&self.kind)
+    }
+
+    /// Errors unless it has as many arguments as its type takes.
+    pub fn complete(&self) -> Result<()> {
+        let Some(&Type { name, strings: (least, most), ref reals, .. }) = self.type_of() else { return Ok(()) };
+        let (strings, count) = (self.strings.len(), self.reals.len());
+        if strings < least || strings > most {
+            let needed = if most == least { least.to_string() } else { format!("{least} or more") };
+            return Err(self.error(format!("{name} needs {needed} string arguments, not {strings}")));
+        }
+        let (fits, needed) = match reals {
+            Reals::Of(counts) => (counts.contains(&count), counts.iter().map(usize::to_string).collect::<Vec<_>>().join(" or ")),
+            Reals::From(least) => (count >= *least, format!("{least} or more")),
+            Reals::Vertices => (count >= 9 && count.is_multiple_of(3), "three for each of at least three vertices".into()),
+        };
+        if fits { Ok(()) } else { Err(self.error(format!("{name} needs {needed} real arguments, not {count}"))) }
     }
 
     /// An error at the statement's type.

@@ -84,7 +84,7 @@ pub struct Recovery {
     pub covariance: Symmetric,
     /// The part of it that the rendering makes.
     pub own: Symmetric,
-    /// What an error that the pixels have in common does to the values.
+    /// What an error that pixels have in common does to the values: their covariance for one of [`sheet::COMMON`] of the light.
     pub common: Symmetric,
     /// By which part of their light whole areas are off, which no noise is.
     pub misfit: f64,
@@ -94,7 +94,7 @@ pub struct Recovery {
     pub chi2: f64,
     /// How many pixels count.
     pub pixels: usize,
-    /// How far each of them is off, relatively.
+    /// For each of them the square by which it is off, relatively, without the noise of the rendering: about 0, and below it too, where it fits.
     pub losses: Vec<f64>,
     /// How much of the derivative by each value is not noise, from 0 to 1.
     pub clarity: Vec<f64>,
@@ -186,10 +186,16 @@ impl Evidence<'_> {
 /// Errors unless the numbers of the unknown's type can be recovered.
 fn supported(unknown: &Unknown) -> Result<()> {
     let material = unknown.material();
+    if material.kind == "dielectric" && unknown.slots()[4].is_some() {
+        return Err(material.error("a picture does not tell Hartmann's constant from the index; give it, and --fix hartmann"));
+    }
     if Kind::named(&material.kind).is_some() || ["dielectric", "glass"].contains(&material.kind.as_str()) {
         return Ok(());
     }
-    Err(material.error(format!("the numbers of {} cannot be recovered; use plastic, metal, trans, dielectric or glass", material.kind)))
+    Err(material.error(format!(
+        "the numbers of {} cannot be recovered; use plastic, metal, trans, plastic2, metal2, trans2, dielectric or glass",
+        material.kind
+    )))
 }
 
 /// Recovers an unknown material of the scene. `tell` hears how far it is.

@@ -73,8 +73,7 @@ pub struct Film {
 
 impl Film {
     /// The largest picture of a view that fits into `x` × `y` pixels of the aspect `pa` (height over width; 0: any), each of which takes in the
-    /// light of its area. Errors if it has
-    /// more pixels than any picture, or than there is memory for.
+    /// light of its area. Errors if it has more pixels than any picture, or than there is memory for.
     pub fn new(view: &View, x: usize, y: usize, pa: f64) -> Result<Self> {
         if x == 0 || y == 0 {
             return Err(Error::new("a picture needs at least one pixel: -x and -y must be above 0"));
@@ -227,7 +226,7 @@ const CHUNK: usize = 64;
 /// A lens that is sharp at one distance only.
 #[derive(Clone, Copy, Debug)]
 pub struct Blur {
-    /// Diameter of the lens.
+    /// Diameter of the lens, in the scene's unit of length.
     pub diameter: f64,
     /// Where it is sharp: a distance along the view direction; for round views, from the viewpoint.
     pub focus: f64,

@@ -1,6 +1,6 @@
 //! Document → Scene: modifiers, aliases, types and patterns resolved; everything a surface is made of, ready to be built into a world.
 //!
-//! Only what a surface uses is resolved: an unused material may be anything (semantics 1.2).
+//! Only what a surface uses is resolved: an unused material may be anything.
 
 mod build;
 

@@ -1,7 +1,7 @@
 //! What `xform` options do to points: `-t`, `-rx`, `-s`, `-mx`, `-i` and their like as one affine map.
 
 use crate::error::{Error, Result};
-use crate::rad::real;
+use crate::rad::{Primitive, real};
 use crate::vector::{Affine, Mat3, Vec3};
 
 /// A similarity: rotation, uniform scale, perhaps a mirror, translation.
@@ -61,6 +61,16 @@ impl Transform {
             at += 1 + count;
         }
         Ok((done.then(&part.repeated(repeat)), at))
+    }
+
+    /// The transform that the strings of a primitive from `start` on are.
+    pub fn of(primitive: &Primitive, start: usize) -> Result<Self> {
+        let words = primitive.strings.get(start..).unwrap_or_default();
+        let (transform, used) = Self::parse(words).map_err(|error| primitive.string_error(start, error.message))?;
+        match words.get(used) {
+            None => Ok(transform),
+            Some(word) => Err(primitive.string_error(start + used, format!("`{word}` is no part of a transform"))),
+        }
     }
 
     /// This transform, and then `next`.

@@ -12,8 +12,9 @@ mod tests;
 pub use clear::Clear;
 pub use rough::{Alpha, MOST_NODES, Monomials, ORDER, Rough};
 
+use crate::color::Rgb;
 use crate::geometry::Ray;
-use crate::integrator::{Integrator, Transport};
+use crate::integrator::{Integrator, Radiance, Transport};
 use crate::render::Lens;
 use crate::rules::Rules;
 use crate::sampling::Sampler;
@@ -178,7 +179,11 @@ pub fn trace(world: &World, rules: &Rules, unknown: &Unknown, pixels: &Pixels, s
                 });
             }
             Unknown::Clear(clear) => {
-                follow(world, rules, pixels.lens, seed, pieces, mixture, |columns| clear::Dimming { rules, unknown: clear, columns });
+                follow(world, rules, pixels.lens, seed, pieces, mixture, |columns| clear::Dimming {
+                    colors: Radiance { rules, sum: Rgb::ZERO },
+                    unknown: clear,
+                    columns,
+                });
             }
         }
     });

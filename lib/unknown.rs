@@ -67,8 +67,7 @@ impl std::str::FromStr for Bounds {
         let (name, numbers) = text.split_once('=').ok_or_else(|| wrong("no `=`"))?;
         let numbers: Vec<&str> = numbers.split(':').map(str::trim).collect();
         let [start, low, high] = numbers[..] else { return Err(wrong("not three numbers")) };
-        let number =
-            |word: &str| crate::rad::real(word).filter(|x| x.is_finite()).ok_or_else(|| wrong(&format!("`{word}` is not a number")));
+        let number = |word: &str| crate::rad::real(word).ok_or_else(|| wrong(&format!("`{word}` is not a number")));
         let start = if start.is_empty() { None } else { Some(number(start)?) };
         let (low, high) = (number(low)?, number(high)?);
         if low >= high {
@@ -93,6 +92,7 @@ impl Unknown {
     /// The unknown of a scene file.
     pub fn new(document: Document, wishes: &Wishes) -> Result<Self> {
         let material = choose(&document, wishes.material.as_deref())?.clone();
+        material.complete()?;
         let mut ranges = Vec::new();
         for index in 0..material.reals.len() {
             ranges.push(usual(&material, index));
@@ -115,7 +115,7 @@ impl Unknown {
                 return Err(error(message + "; give a start as NAME=START:LOW:HIGH"));
             }
         }
-        // Tied arguments follow the first of them.
+        // Tied arguments follow the first of them, with all that are tied to them.
         let mut leader: Vec<usize> = (0..start.len()).collect();
         for tie in &wishes.tied {
             let members = tie.iter().map(|name| index(name)).collect::<Result<Vec<_>>>()?;
@@ -125,10 +125,11 @@ impl Unknown {
                     let message = format!("{0} is tied to {1}: give the bounds of {1}", tie[1..].join(", "), tie[0]);
                     return Err(Error::new(message));
                 }
-                leader[follower] = leader[*first];
-                start[follower] = start[*first];
+                let (old, new) = (leader[follower], leader[*first]);
+                leader.iter_mut().filter(|l| **l == old).for_each(|l| *l = new);
             }
         }
+        start = leader.iter().map(|&first| start[first]).collect();
         for name in &wishes.fixed {
             let first = leader[index(name)?];
             ranges[first] = None;
@@ -389,6 +390,15 @@ mod tests {
     }
 
     #[test]
+    fn ties_hold_in_any_order() {
+        for ties in [[["blue", "green"], ["red", "blue"]], [["red", "blue"], ["blue", "green"]]] {
+            let unknown = unknown(HORSE, &Wishes { tied: ties.map(|tie| words(&tie)).into(), ..Wishes::default() }).unwrap();
+            assert_eq!(unknown.slots()[..3], [Some(0); 3], "{ties:?}");
+            assert_eq!(unknown.reals(&unknown.start())[..3], [0.5; 3]);
+        }
+    }
+
+    #[test]
     fn the_unknown_is_the_only_material_or_the_one_named() {
         let two = "void plastic a 0 0 5 .5 .5 .5 0 0\nvoid glass b 0 0 3 .9 .9 .9\na sphere s 0 0 4 0 0 0 1\n";
         assert!(message(two, &Wishes::default()).contains("there are 2 materials: a b; say which one is unknown with --material ID"));
@@ -409,6 +419,7 @@ mod tests {
         assert!(
             message("void light l 0 0 3 9 9 9", &Wishes::default()).contains("no parameter of light `l` is free; give bounds with --param")
         );
+        assert!(message("void plastic m 0 0 3 .5 .5 .5", &Wishes::default()).contains("plastic needs 5 real arguments, not 3"));
         let outside = Wishes { bounds: vec!["rough=:.2:.3".parse().unwrap()], ..Wishes::default() };
         assert!(message(HORSE, &outside).starts_with("start.rad:5:"));
         let tied = Wishes { tied: vec![words(&["red", "blue"])], bounds: vec!["blue=.5:0:1".parse().unwrap()], ..Wishes::default() };

@@ -46,8 +46,8 @@ pub struct World {
     gathers: Vec<bool>,
     /// For each chain, whether antimatter removes it; empty without antimatter.
     removable: Vec<bool>,
-    /// How RADIANCE's absolute thresholds are scaled.
-    scale: f64,
+    /// Distances that differ by less are one place ([`crate::geometry::tolerance`]).
+    tolerance: f64,
     /// The material that is not known, if one is: what it fills has no known extinction.
     pub unknown: Option<MaterialId>,
 }
@@ -184,10 +184,9 @@ impl World {
         if bounds.is_empty() { Vec3::ZERO } else { bounds.center() }
     }
 
-    /// The distance within which a ray does not see the surface it starts from: RADIANCE's 1e-6 for scenes of 1e-3 to 1e3 in size, in
-    /// proportion to the size beyond, and never less than what positions are exact to.
+    /// The distance within which a ray does not see the surface it starts from: never less than what positions are exact to.
     fn epsilon(&self, origin: Vec3) -> f64 {
-        (1e-6 * self.scale).max(origin.abs().max_element() * 1e-14)
+        self.tolerance.max(origin.abs().max_element() * 1e-14)
     }
 
     /// Whether anything lets light through in a single direction, so that shadow rays are paths.
@@ -330,7 +329,7 @@ impl World {
     }
 
     /// The source that a ray sees behind everything: what it was aimed at, else the first light that contains the direction, else the first
-    /// glow (semantics 2.2). `gathered` is whether the ray gathers indirect light: it must not count twice what an illum stands for.
+    /// glow. `gathered` is whether the ray gathers indirect light: it must not count twice what an illum stands for.
     fn source(&self, direction: Vec3, aim: Option<Emitter>, gathered: bool) -> Option<&Source> {
         if let Some(Emitter::Lamp(lamp)) = aim {
             return self.sources.iter().find(|s| s.lamp == Some(lamp) && s.contains(direction));

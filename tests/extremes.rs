@@ -29,7 +29,7 @@ use table::Table;
 type Chapter = (&'static str, fn(&mut Table));
 
 const CHAPTERS: [Chapter; 7] = [
-    ("polished and diffuse surfaces in a white furnace: the albedo of semantics, part by part", polished::fill),
+    ("polished and diffuse surfaces in a white furnace: the albedo, part by part", polished::fill),
     ("rough surfaces in a white furnace: the integral of the lobe's formula", lobes::fill),
     ("transparent surfaces: Fresnel, the sum of all inner reflections, Beer", transparent::fill),
     ("lamps and environments: the irradiance of what has a closed form", lamps::fill),

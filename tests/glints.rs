@@ -14,6 +14,18 @@ const SCENE: &str = "void brightfunc lights 2 1+if(sin(7*Dx+1)*sin(6*Dy+2)*sin(8
 const PHOTOGRAPHS: u32 = 6;
 
 #[test]
+fn hartmanns_constant_stays_apart_from_the_index() {
+    let directory =
+        photographed("dielectric it 0 0 5 .8 .7 .6 1.5 10", &SCENE.replace(",400,0)", ",4,0)"), "-x 48 -y 48 --spp 64 -ab 1 -o target.exr");
+    std::fs::write(directory.path().join("start.rad"), "void dielectric it 0 0 5 .5 .5 .5 1.4 10\n").unwrap();
+    let out = recovered(directory.path(), "-ab 1 --fix hartmann --scene scene.rad --target target.exr start.rad");
+    for (name, truth) in [("red", 0.8), ("green", 0.7), ("blue", 0.6), ("ior", 1.5)] {
+        let (value, error) = said(&out, name);
+        assert!((value - truth).abs() < 3.0 * error && error < 0.01, "{name}: {value} ± {error}, not {truth}");
+    }
+}
+
+#[test]
 fn clear_glass_is_not_too_dark() {
     let mut sums = [0.0; 3];
     for seed in 0..PHOTOGRAPHS {

@@ -87,7 +87,7 @@ pub struct Photo {
 
     /// No picture yet: the standard errors that one would give if the unknown were START.rad's, what it would not tell, and what would
     /// help. Assumed is noise of 2 % in each pixel
-    #[arg(long, requires = "scene", conflicts_with_all = ["target", "exec", "state", "log", "report"])]
+    #[arg(long, requires = "scene", conflicts_with_all = ["target", "exec", "state", "log", "report", "time", "tolerance", "steps"])]
     pub predict: bool,
 
     /// Largest width of the picture to predict, in pixels [default: 160]

@@ -1,4 +1,4 @@
-//! Smooth transparent bodies: refraction at the boundary of two media, and thin panes of glass (semantics 3.6, 3.7).
+//! Smooth transparent bodies: refraction at the boundary of two media, and thin panes of glass.
 
 use super::{Bsdf, Delta, Point};
 use crate::color::Rgb;

@@ -332,16 +332,6 @@ fn functions_can_be_applied_to_parameters() {
 }
 
 #[test]
-fn output_channels_of_a_filter() {
-    let mut library = Library::stand_alone();
-    library.define(Source::new("-e", "$1 = $2*2; $3 = half($1); half(x) : x/2"), FileId::GLOBAL).unwrap();
-    let program = library.outputs(&[]).unwrap();
-    let channels = [10.0, 7.0];
-    assert_eq!(program.eval_all::<3>(&Context { channels: &channels, free: &[] }).unwrap(), [14.0, 0.0, 5.0]);
-    assert!(program.eval(&Context { channels: &channels[..1], free: &[] }).is_err());
-}
-
-#[test]
 fn every_shipped_file_is_in_the_language() {
     for (name, _) in shipped::SHIPPED {
         Library::new().load(name, &Files::default()).unwrap();

@@ -9,7 +9,7 @@ use crate::resolve::Resolve;
 use crate::sampling::mix64;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::{Command, ExitStatus, Stdio};
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 
 /// Where RADIANCE looks when RAYPATH is not set.
@@ -112,22 +112,27 @@ impl Resolve for Disk<'_> {
         if self.started.fetch_add(1, Ordering::Relaxed) >= MAX_COMMANDS {
             return Err(Error::new(format!("command not run: {command}; more than {MAX_COMMANDS} commands (does one print itself?)")));
         }
-        let failed = |e: std::io::Error| Error::new(format!("command {command}: {}", plain(&e)));
-        let mut child =
-            Command::new("sh").arg("-c").arg(native(command)).stdin(Stdio::null()).stdout(Stdio::piped()).spawn().map_err(failed)?;
-        let output = child.stdout.take().map_or_else(|| Ok(Vec::new()), |stdout| all(stdout, &format!("output of {command}")));
-        // A child that printed too much waits for a reader for ever.
-        if output.is_err() {
-            let _ = child.kill();
-        }
-        let status = child.wait().map_err(failed)?;
-        let output = output?;
+        let (output, status) = printed(command)?;
         if !status.success() {
             self.console.warn(&format!("command {command}: {status}; what it printed is used"));
         }
         self.count(&output);
         Ok(output)
     }
+}
+
+/// What a command prints, and how it ends.
+pub fn printed(command: &str) -> Result<(Vec<u8>, ExitStatus)> {
+    let failed = |e: std::io::Error| Error::new(format!("command {command}: {}", plain(&e)));
+    let mut child =
+        Command::new("sh").arg("-c").arg(native(command)).stdin(Stdio::null()).stdout(Stdio::piped()).spawn().map_err(failed)?;
+    let output = child.stdout.take().map_or_else(|| Ok(Vec::new()), |stdout| all(stdout, &format!("output of {command}")));
+    // A child that printed too much waits for a reader for ever.
+    if output.is_err() {
+        let _ = child.kill();
+    }
+    let status = child.wait().map_err(failed)?;
+    Ok((output?, status))
 }
 
 #[cfg(test)]

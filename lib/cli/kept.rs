@@ -48,7 +48,8 @@ impl Asked {
     /// What these arguments ask of files with that number.
     pub fn new(start: &str, arguments: &Arguments, read: u64) -> Self {
         let Arguments { photo, unknown, light, scene_options, common, search, .. } = arguments;
-        let options = format!("{start:?} {photo:?} {unknown:?} {light:?} {scene_options:?} {} {:?} {:?}", common.seed, search.tolerance, search.time);
+        let options =
+            format!("{start:?} {photo:?} {unknown:?} {light:?} {scene_options:?} {} {:?} {:?}", common.seed, search.tolerance, search.time);
         Self { options, read }
     }
 }

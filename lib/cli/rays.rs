@@ -41,7 +41,9 @@ pub fn answer(mut teller: Teller, stream: &Stream, console: &Console) -> Outcome
     let mut reader = Reader::new(BufReader::with_capacity(CHUNK, io::stdin().lock()), teller.format.input);
     let mut number = 0;
     let mut last = [0.0; 6];
-    let all = if let Budget::Time(_) = teller.budget { usize::MAX } else { BATCH };
+    // Time is for each batch, which is all rays where nothing divides them.
+    let time = if let Budget::Time(time) = teller.budget { Some(time) } else { None };
+    let all = if time.is_some() { usize::MAX } else { BATCH };
     let mut trouble = None;
     let mut batch: Vec<[f64; 6]> = Vec::new();
     while left != Some(0) && trouble.is_none() {
@@ -61,8 +63,8 @@ pub fn answer(mut teller: Teller, stream: &Stream, console: &Console) -> Outcome
         if batch.is_empty() {
             break;
         }
-        if let Budget::Time(time) = &mut teller.budget {
-            *time = time.mul_f64(rayon::current_num_threads().min(batch.len()) as f64 / batch.len() as f64);
+        if let Some(time) = time {
+            teller.budget = Budget::Time(time.mul_f64(rayon::current_num_threads().min(batch.len()) as f64 / batch.len() as f64));
         }
         let rays = &batch[..batch.len() - at_once as usize];
         let share = rays.len().div_ceil(16 * rayon::current_num_threads()).max(1);

@@ -1,7 +1,8 @@
 //! Scenes and views as they are named on a command line.
 
 use super::Input;
-use super::stream::{file, native, plain};
+use super::disk::printed;
+use super::stream::file;
 use crate::args::{Commands, Scenes, ViewWords};
 use crate::error::{Error, Result};
 use crate::expand::{Flat, expand, refuse_commands};
@@ -9,12 +10,14 @@ use crate::import::{is_octree, octree};
 use crate::rad::Document;
 use crate::resolve::Resolve;
 use crate::view::View;
-use std::process::{Command, Stdio};
 
 /// The name and the bytes of a scene file or octree. A name that begins with `!` is a command that prints one; it was typed, so it may run.
 pub fn typed(input: &Input, name: &str) -> Result<(String, Vec<u8>)> {
     match name.strip_prefix('!') {
-        Some(command) => Ok((name.into(), output(command)?)),
+        Some(command) => match printed(command)? {
+            (bytes, status) if status.success() => Ok((name.into(), bytes)),
+            (_, status) => Err(Error::new(format!("command {command}: {status}"))),
+        },
         None => input.read(name),
     }
 }
@@ -45,17 +48,6 @@ pub fn flat_of(documents: Vec<Document>, options: &Scenes, resolve: &dyn Resolve
         refuse_commands(&documents)?;
     }
     expand(documents, resolve)
-}
-
-/// What a command prints.
-fn output(command: &str) -> Result<Vec<u8>> {
-    let failed = |e: std::io::Error| Error::new(format!("command {command}: {}", plain(&e)));
-    let output =
-        Command::new("sh").arg("-c").arg(native(command)).stdin(Stdio::null()).stderr(Stdio::inherit()).output().map_err(failed)?;
-    match output.status.success() {
-        true => Ok(output.stdout),
-        false => Err(Error::new(format!("command {command}: {}", output.status))),
-    }
 }
 
 /// The words of a file that lists modifiers.

@@ -34,7 +34,7 @@ pub enum Facing {
 }
 
 /// How far the edges of the box of a sphere and of a cylinder reach, in radii (measured: `rtrace -oT`).
-const SPHERE_BOX: f64 = 0.7236;
+pub const SPHERE_BOX: f64 = 0.7236;
 const CYLINDER_BOX: f64 = 0.8559;
 
 impl LightShape {

@@ -30,11 +30,6 @@ impl Mesh {
         self.materials.get(triangle as usize).copied().unwrap_or(0)
     }
 
-    /// How many materials its triangles name: one more than the largest index.
-    pub fn material_count(&self) -> usize {
-        self.materials.iter().max().map_or(1, |&m| m as usize + 1)
-    }
-
     /// The interpolated shading normal at barycentric coordinates `b` (weights of the second and third vertex), unit;
     /// `None` unless all three vertices have one.
     pub fn normal(&self, triangle: u32, b: [f64; 2]) -> Option<Vec3> {

@@ -1,6 +1,6 @@
 //! Surfaces as they are seen in a flat mirror.
 
-use super::{Cone, Facing, LightShape, Polygon, Ring, Shape, Sphere};
+use super::{Cone, Facing, LightShape, Polygon, Ring, SPHERE_BOX, Shape, Sphere};
 use crate::vector::Vec3;
 
 /// The plane `normal · p = offset` of a flat surface, as a mirror.
@@ -68,7 +68,7 @@ impl LightShape {
     /// Whether any part of it is in front of a mirror.
     pub fn in_front_of(&self, mirror: &Plane, distant: bool) -> bool {
         // The box of something round is smaller than what it stands for.
-        let reach = if self.round { 1.4 } else { 1.0 };
+        let reach = if self.round { 1.0 / SPHERE_BOX } else { 1.0 };
         let extent: f64 = self.half_edges.iter().map(|e| e.dot(mirror.normal).abs() * reach).sum();
         let height = if distant { self.center.dot(mirror.normal) } else { mirror.height(self.center) };
         height + extent > super::TINY

@@ -275,7 +275,7 @@ impl<B: Clone> Integrator<'_, B> {
                 return;
             }
             (most, least) => {
-                if most.is_some_and(|m| m < 0 && next.level > -m) {
+                if most.is_some_and(|m| m < 0 && next.level.unsigned_abs() > m.unsigned_abs()) {
                     return;
                 }
                 least.unwrap_or(if next.exact { EXACT_ROULETTE } else { ROULETTE })

@@ -241,11 +241,7 @@ impl<'a> Words<'a, '_> {
     fn transform(&self, used: usize) -> Result<Transform> {
         let words = &self.primitive.strings;
         let Some(start) = (used..words.len()).find(|&i| words[i].starts_with('-')) else { return Ok(Transform::IDENTITY) };
-        let (transform, read) = Transform::parse(&words[start..]).map_err(|error| self.at(start, error))?;
-        match words.get(start + read) {
-            None => Ok(transform),
-            Some(word) => Err(self.primitive.string_error(start + read, format!("`{word}` is no part of a transform"))),
-        }
+        Transform::of(self.primitive, start)
     }
 
     /// The error, at string `i` if it has no place yet.

@@ -1,6 +1,7 @@
 //! Where a pattern lies: what a ray and a surface look like in its own coordinates.
 
 use crate::cal::Ray;
+use crate::geometry::FAR;
 use crate::transform::Transform;
 use crate::vector::{Affine, Mat3, Vec3};
 
@@ -32,9 +33,9 @@ impl At<'_> {
         Self { direction, normal, point, t: 0.0, ts: 0.0, rdot, uv: [0.0; 2], instance: None }
     }
 
-    /// A distant source that a ray from `origin` meets: RADIANCE puts it 1e10 away, facing the ray.
+    /// A distant source that a ray from `origin` meets: RADIANCE puts it [`FAR`] away, facing the ray.
     pub fn distant(direction: Vec3, origin: Vec3) -> Self {
-        Self { t: 1e10, ts: 1e10, rdot: 1.0, ..Self::surface(direction, -direction, origin) }
+        Self { t: FAR, ts: FAR, rdot: 1.0, ..Self::surface(direction, -direction, origin) }
     }
 }
 

@@ -332,7 +332,6 @@ fn an_environment_is_looked_up_by_direction() {
     let mut sources = Sources::new(&files);
     let text = "void colorpict env 9 red green blue a.hdr . 1.5*(1+Atan2(Dx,Dz)/PI)/2 1-Acos(Dy)/PI -rz 90 0 0";
     let pattern = Pattern::compile(&primitive(text), &mut sources).unwrap().unwrap();
-    assert!(pattern.depends_on_direction_only());
     let (raster, mapping) = pattern.picture().unwrap();
     assert!(matches!(mapping, Mapping::LatLong(_)));
     assert_eq!(raster.range(), [1.5, 1.0]);
@@ -340,7 +339,6 @@ fn an_environment_is_looked_up_by_direction() {
     let found = pattern.color(&At::distant(Vec3::new(-0.8, 0.0, 0.6), Vec3::ZERO));
     let v = 1.0 - 0.8f64.acos() / std::f64::consts::PI;
     near(found, [[200.5, 40.5], [100.5, 50.5], [50.5, 60.5]].map(|[low, high]| (low + v * (high - low)) / 128.0), "near the top");
-    assert!(!Pattern::compile(&primitive("void brightfunc p 2 Dx+Px . 0 0"), &mut sources).unwrap().unwrap().depends_on_direction_only());
 }
 
 /// A brightfunc with the arguments 2 .3 .4 .5 on a glow ring at the origin with normal 0 .6 .8, `echo .1 .2 .7 0 0 -1 | rtrace -h -faa`

@@ -3,7 +3,7 @@
 //! The header stands in one text attribute, `radiance`, a line to a line. Planes named `R`, `G` and `B` are the picture; others are
 //! named `what.R`, `what.G`… as OpenEXR's layers are.
 
-use super::{Format, Header, Picture, pixel_count, reserve};
+use super::{FREE, Format, Header, Picture, pixel_count, reserve};
 use crate::error::{Error, Result};
 use exr::image::{AnyChannel, AnyChannels, Blocks, Encoding, FlatSamples, Image, Layer};
 use exr::math::Vec2;
@@ -19,10 +19,9 @@ pub const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
 /// The attribute that holds the header.
 const HEADER: &str = "radiance";
 
-/// The most numbers that a byte of a file stands for beyond the first [`FREE`] ones: deflate, the densest of the compressions, reaches
-/// 1032 bytes.
+/// The most numbers that a byte of a file stands for beyond the first [`FREE`] ones: deflate, the densest of the compressions, makes at most
+/// 1032 bytes of one, which are no more numbers than that.
 const NUMBERS_PER_BYTE: usize = 1032;
-const FREE: usize = 1 << 22;
 
 /// The aspects of pixels that OpenEXR allows.
 const ASPECTS: std::ops::RangeInclusive<f32> = 1e-6..=1e6;
@@ -139,7 +138,11 @@ impl Planes {
             return Err(Error::new(format!("{name}: more than 2^31 numbers in all planes, the most that is read")));
         }
         if samples / 2 > FREE.saturating_add(bytes.len().saturating_mul(NUMBERS_PER_BYTE)) {
-            return Err(Error::new(format!("{name}: {samples} numbers do not fit into its {} bytes; the file is damaged", bytes.len())));
+            return Err(Error::new(format!(
+                "{name}: {} numbers do not fit into its {} bytes; the file is damaged",
+                samples / 2,
+                bytes.len()
+            )));
         }
         reserve(&mut Vec::<f32>::new(), samples).map_err(|e| Error::new(format!("{name}: {}", e.message)))?;
 

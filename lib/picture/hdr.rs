@@ -3,7 +3,7 @@
 //! Ward 1991, "Real Pixels" (Graphics Gems II). RADIANCE cuts off when it encodes and adds half a step when it decodes; so
 //! does this. Any of the eight orientations, any of the three encodings of a line, and any width are read.
 
-use super::{Format, Header, Picture, pixel_count, reserve};
+use super::{FREE, Format, Header, Picture, pixel_count, reserve};
 use crate::error::{Error, Result};
 
 /// The longest header that is read, in bytes.
@@ -12,7 +12,6 @@ const MAX_HEADER: usize = 1 << 16;
 /// The most pixels that a byte of a file stands for beyond the first [`FREE`] ones: runs of runs could stand for any number, but nobody
 /// writes them, and the present encoding reaches 16.
 const PIXELS_PER_BYTE: usize = 64;
-const FREE: usize = 1 << 22;
 
 /// Widths whose lines are run-length encoded when written.
 const RUN_LENGTH_WIDTHS: std::ops::RangeInclusive<usize> = 17..=32767;

@@ -15,16 +15,19 @@ use std::sync::Arc;
 /// The longest command, in bytes.
 const COMMAND_LIMIT: usize = 2047;
 
-/// All statements of `source`, and every error: after one, reading goes on at the next line that looks like a statement.
-pub fn statements(source: &Arc<Source>) -> (Vec<Statement>, Vec<Error>) {
-    let (mut statements, mut errors) = (Vec::new(), Vec::new());
+/// Statements that would go on beyond the end of the text, after which no more is read: each costs all of the rest.
+const UNENDED_LIMIT: usize = 20;
+
+/// The statements of `source`, and what is wrong, up to so many errors: after one, reading goes on at the next line that looks like a statement.
+pub fn statements(source: &Arc<Source>, limit: usize) -> (Vec<Statement>, Vec<Error>) {
+    let (mut statements, mut errors, mut unended) = (Vec::new(), Vec::new(), 0);
     if source.text.len() >= u32::MAX as usize {
         return (statements, vec![Error::new(format!("{}: larger than 4 GiB; split it", source.name))]);
     }
     let mut rest = source.text.as_str();
     loop {
         rest = space(rest).map_or(rest, |(r, _)| r);
-        if rest.is_empty() {
+        if rest.is_empty() || errors.len() == limit || unended == UNENDED_LIMIT {
             return (statements, errors);
         }
         match statement(source, rest) {
@@ -33,7 +36,9 @@ pub fn statements(source: &Arc<Source>) -> (Vec<Statement>, Vec<Error>) {
                 rest = r;
             }
             Err(error) => {
-                errors.push(place(source, rest, error));
+                let fault = fault(error);
+                unended += usize::from(fault.message.is_empty());
+                errors.push(place(source, rest, fault));
                 rest = next_statement(rest);
             }
         }
@@ -169,12 +174,15 @@ fn distance(a: &str, b: &str) -> usize {
     row[b.len()]
 }
 
-/// The error of a statement that begins at `input`, with its place in the source.
-fn place(source: &Arc<Source>, input: &str, error: nom::Err<Fault>) -> Error {
-    let fault = match error {
-        nom::Err::Error(f) | nom::Err::Failure(f) => f,
+fn fault(error: nom::Err<Fault>) -> Fault {
+    match error {
+        nom::Err::Error(fault) | nom::Err::Failure(fault) => fault,
         nom::Err::Incomplete(_) => Fault { left: 0, message: String::new() },
-    };
+    }
+}
+
+/// The error of a statement that begins at `input`, with its place in the source.
+fn place(source: &Arc<Source>, input: &str, fault: Fault) -> Error {
     let start = offset(source, input);
     let whole = Span::new(source, start, source.text.len());
     if fault.message.is_empty() {

@@ -1,10 +1,10 @@
 //! The record of a ray: what it meets, and the light that it brings.
 
 use super::fields::{Field, Fields, Space, Writer};
-use super::tree::{FAR, Fate, Met, Tree, nothing};
+use super::tree::{Fate, Met, Tree, nothing};
 use super::{Asked, Form, Format};
 use crate::color::Rgb;
-use crate::geometry::Ray;
+use crate::geometry::{FAR, Ray};
 use crate::integrator::{Integrator, Outcome, Radiance};
 use crate::render::{Budget, Pixel, Task};
 use crate::rules::Rules;

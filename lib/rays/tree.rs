@@ -3,15 +3,12 @@
 use crate::accel::Hit;
 use crate::bsdf::{Arriving, Bsdf, Delta, Part};
 use crate::color::{Rgb, bright};
-use crate::geometry::Ray;
+use crate::geometry::{FAR, Ray};
 use crate::integrator::{Kind, Radiance, Transport, Visit};
 use crate::material::{Inside, Material};
 use crate::rules::Rules;
 use crate::vector::Vec3;
 use crate::world::{Layer, Names, World};
-
-/// The largest distance: RADIANCE's infinity.
-pub const FAR: f64 = 1e10;
 
 /// A ray, and what became of it.
 #[derive(Clone, Debug)]

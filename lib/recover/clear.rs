@@ -10,6 +10,7 @@ use super::sheet::Sheet;
 use super::{Effort, Evidence, Recovery, Seeds};
 use crate::color::Rgb;
 use crate::error::Result;
+use crate::material::{GLASS_INDEX, hartmann};
 use crate::scene::MaterialId;
 use crate::transport::{self, Basis, Clear, Pixels};
 use crate::unknown::Unknown;
@@ -17,9 +18,6 @@ use std::time::Instant;
 
 /// The smallest index that is looked at: less bends light no further.
 const LEAST_INDEX: f64 = 0.2;
-/// The index of glass that does not say its own (semantics 3.7).
-const GLASS_INDEX: f64 = 1.52;
-
 /// The least that roulette takes a transmissivity for.
 const DARKEST: f64 = 1e-3;
 
@@ -47,10 +45,11 @@ pub struct Stage<'a> {
 }
 
 impl<'a> Stage<'a> {
-    /// A stage of these indices.
+    /// A stage of these indices, without what Hartmann's constant adds to them.
     pub fn new(evidence: &'a Evidence<'a>, unknown: &'a Unknown, material: MaterialId, indices: Vec<f64>) -> Self {
         let glass = unknown.material().kind == "glass";
-        let clear: Vec<Clear> = indices.iter().map(|&index| Clear::new(material, glass, index)).collect();
+        let constant = unknown.reals(&unknown.start()).get(4).copied().unwrap_or(0.0);
+        let clear: Vec<Clear> = indices.iter().map(|&index| Clear::new(material, glass, hartmann(index, constant))).collect();
         let roots = clear[0].nodes.iter().map(|t| t.sqrt()).collect();
         let parts = clear.into_iter().map(|c| transport::Unknown::Clear(Box::new(c))).collect();
         Self { evidence, unknown, indices, parts, roots, guess: None }
@@ -63,8 +62,7 @@ impl<'a> Stage<'a> {
     }
 
     fn index(&self, values: &[f64]) -> f64 {
-        let a = self.unknown.reals(values);
-        a.get(3).map_or(GLASS_INDEX, |n| n + a.get(4).map_or(0.0, |h| h / 500.0))
+        self.unknown.reals(values).get(3).copied().unwrap_or(GLASS_INDEX)
     }
 }
 

@@ -153,7 +153,7 @@ fn lusterless(unknown: &Unknown, values: &[f64], seen: &Symmetric) -> bool {
     at("tspec").is_none() && spec.is_some_and(|i| faint(values[i], seen.at(i, i).sqrt()))
 }
 
-/// The most that it can be then.
+/// The largest specularity, its error included, at which a surface counts as dull.
 const FAINT: f64 = 0.05;
 
 /// `red, green and spec are not determined by themselves, only together: red + 0.41 spec = 0.641 ± 0.012, green + …`.

@@ -101,7 +101,7 @@ impl Look<'_> {
         let all = pixels.len() as f64;
         let first = if self.effort.quick { all } else { (FIRST / model.least()).floor().min(all) };
         let mut each = (FIRST / first).min(EACH).floor();
-        let mut best = near.to_vec();
+        let (mut best, mut before) = (near.to_vec(), vec![0.0; near.len()]);
         model.tune(&best, None);
         let trace = |model: &dyn Model, numbers: &[usize], samples: f64, seeds: &mut Seeds| {
             model.trace(numbers, &vec![samples as u32; 2 * numbers.len()], seeds.next())
@@ -118,7 +118,9 @@ impl Look<'_> {
         }
         for round in 1.. {
             let sheet = Sheet::new(self.evidence, &pixels[..count as usize]);
-            let Fit { found, influence, held, withheld } = self.fit(&sheet, model, &basis, &best);
+            let Fit { mut found, influence, held, withheld } = self.fit(&sheet, model, &basis, &best);
+            self.temper(&mut found, &before);
+            before = found.errors();
             (self.effort.told)(&found);
             if self.evidence.blurred {
                 let blurred = self.blurred(found.clone(), &sheet, model, &basis);
@@ -162,6 +164,19 @@ impl Look<'_> {
             }
         }
         unreachable!("a look has rounds")
+    }
+
+    /// Takes the errors of a round for no smaller than a part of those `before`: few more samples make none so much surer but by chance, as where
+    /// a pixel or two tell a value and follow it.
+    fn temper(&self, found: &mut Recovery, before: &[f64]) {
+        for (i, (parameter, before)) in self.parameters.iter().zip(before).enumerate() {
+            // What bounds alone would say.
+            let unit = (parameter.high - parameter.low) / 12f64.sqrt();
+            let least = (SURER * before.min(unit)).powi(2);
+            if found.covariance.at(i, i) < least {
+                found.covariance.set(i, i, least);
+            }
+        }
     }
 
     /// The values that explain the picture best, near some.
@@ -245,6 +260,9 @@ impl Look<'_> {
         Some((borne, taken))
     }
 }
+
+/// The least part of its standard error that a round may leave of the one before.
+const SURER: f64 = 0.25;
 
 /// By how many standard errors pixels may be farther off after a step, and how often it is halved for that.
 const WORSE: f64 = 5.0;

@@ -29,7 +29,7 @@ impl Kind {
     }
 }
 
-/// The coefficients of the four parts for the real arguments `a`, each for red, green and blue (semantics 3.3: the partition of what is not
+/// The coefficients of the four parts for the real arguments `a`, each for red, green and blue (the partition of what is not
 /// absorbed).
 pub fn parts(kind: Kind, a: &[f64]) -> [[f64; 3]; 4] {
     let at = if kind.anisotropic { 6 } else { 5 };

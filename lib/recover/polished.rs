@@ -1,4 +1,4 @@
-//! Whether what seems smooth is polished: up to a roughness of .001 RADIANCE takes a surface for a mirror with a Fresnel term (semantics 3.3),
+//! Whether what seems smooth is polished: up to a roughness of .001 RADIANCE takes a surface for a mirror with a Fresnel term,
 //! which no lobe becomes, however narrow.
 
 use super::model::Kind;

@@ -407,7 +407,7 @@ pub fn influence(scores: &Scores, variances: &[Vec<[f64; 3]>; 2], wished: &[f64]
     scores.sheet.around(&own, 1).iter().map(|around| around[0]).collect()
 }
 
-/// Where there are few pixels, one may make so many times what it would if all made as much.
+/// Where there are few pixels, one may move a value by so many times its fair share, which is 1/√pixels of a standard error.
 const FEW: f64 = 4.0;
 /// How nearly that is kept, in at most so many turns: what is taken from one pixel makes the standard errors smaller.
 const SLACK: f64 = 1.1;

@@ -18,7 +18,7 @@ use rayon::prelude::*;
 pub struct Features {
     /// The normal of the first surface, bent by textures, on the viewer's side; not a unit vector where normals differ, zero where nothing is.
     pub normal: Vec3,
-    /// The distance to the first surface, over the samples that met one; infinite if none did.
+    /// The distance to the first surface in the scene's unit of length, over the samples that met one; infinite if none did.
     pub depth: f64,
     /// The part of uniform light that the first surface reflects and transmits toward the viewer, by the coefficients of its material.
     pub albedo: Rgb,

@@ -41,7 +41,7 @@ pub struct Pixel {
 
 /// How many of the first `samples` samples of a pixel are of each sequence.
 pub(super) fn dealt(samples: u32) -> [u32; SETS] {
-    std::array::from_fn(|set| (samples + (SETS - 1 - set) as u32) / SETS as u32)
+    std::array::from_fn(|set| samples / SETS as u32 + u32::from(set < samples as usize % SETS))
 }
 
 impl Pixel {
@@ -303,6 +303,14 @@ mod tests {
             assert_eq!((joined.rounded(), joined.samples()), (whole.rounded(), 1000));
             assert_eq!((joined.mean(), joined.variance(), joined.spread()), (whole.mean(), whole.variance(), whole.spread()));
         }
+    }
+
+    #[test]
+    fn sequences_share_any_number_of_samples() {
+        assert_eq!(dealt(SETS as u32 + 1)[..2], [2, 1]);
+        let all = dealt(u32::MAX);
+        assert_eq!(all.iter().map(|&n| u64::from(n)).sum::<u64>(), u64::from(u32::MAX));
+        assert!(all.windows(2).all(|two| two[0] == two[1] || two[0] == two[1] + 1));
     }
 
     #[test]

@@ -7,7 +7,7 @@ use crate::geometry::{LEVELS, Mesh, Shape};
 use crate::import::{self, MeshMaterial};
 use crate::material::Material;
 use crate::pattern::{Mixture, Pattern, Sources, Texture};
-use crate::rad::{Class, Primitive};
+use crate::rad::{Class, Primitive, real};
 use crate::resolve::Resolve;
 use crate::support::unsupported;
 use crate::transform::Transform;
@@ -54,7 +54,7 @@ struct Definition {
     name: String,
     primitive: Rc<Primitive>,
     behind: Option<DefinitionId>,
-    /// How many definitions stood before it: names in its strings mean the latest of those (semantics 1.3).
+    /// How many definitions stood before it: names in its strings mean the latest of those.
     order: u32,
 }
 
@@ -155,7 +155,7 @@ impl<'a> Builder<'a> {
         wrong
     }
 
-    /// What a modifier is. An alias stands for what it names, or for that with another modifier (semantics 1.4).
+    /// What a modifier is. An alias stands for what it names, or for that with another modifier.
     fn definition(&self, primitive: &Primitive) -> Result<Definition> {
         if primitive.kind != "alias" {
             return Ok(self.written(primitive, self.modifier(primitive)?));
@@ -219,8 +219,7 @@ impl<'a> Builder<'a> {
             Some(_) => Some(self.chain(modifier)?),
             None => None,
         };
-        let placed = || Transform::parse(primitive.strings.get(1..).unwrap_or_default()).map(|t| t.0);
-        let placed = || placed().map_err(|e| primitive.string_error(1, e.message));
+        let placed = || Transform::of(primitive, 1);
         let (form, chains) = match primitive.kind.as_str() {
             "mesh" => {
                 let transform = placed()?;
@@ -446,7 +445,7 @@ impl<'a> Builder<'a> {
         Ok(model)
     }
 
-    /// The surfaces of the octree that a primitive names. Its sources and lights light nothing (semantics 2.4).
+    /// The surfaces of the octree that a primitive names. Its sources and lights light nothing.
     fn group(&mut self, primitive: &Primitive) -> Resolved<Arc<Vec<Surface>>> {
         let (name, bytes) = match primitive.strings.first().and_then(|name| self.groups.get(name)) {
             Some(known) => return Ok(known.clone()),
@@ -488,7 +487,7 @@ impl<'a> Builder<'a> {
     pub fn probe(&mut self, annotation: &Annotation) -> Result<()> {
         let wrong = || annotation.span.error("a probe is written #@probe X Y Z GLOW_ID");
         let [x, y, z, name] = &annotation.arguments[..] else { return Err(wrong()) };
-        let number = |word: &String| word.parse::<f64>().ok().filter(|v| v.is_finite()).ok_or_else(wrong);
+        let number = |word: &String| real(word).ok_or_else(wrong);
         let place = Vec3::new(number(x)?, number(y)?, number(z)?);
         let material = self.find(name, self.definitions.len()).map(|glow| self.chain(Some(glow))).transpose()?;
         let source = self.scene.sources.iter().find(|s| s.name == *name).map(|s| s.chain);

@@ -6,7 +6,8 @@
 use super::{LANES, Nodes};
 use crate::bsdf::{Arriving, Bsdf, Delta, Part, smooth::pane};
 use crate::color::Rgb;
-use crate::integrator::{Scattering, Transport};
+use crate::geometry::FAR;
+use crate::integrator::{Radiance, Scattering, Transport};
 use crate::material::{Inside, Material, Medium};
 use crate::rules::Rules;
 use crate::scene::MaterialId;
@@ -14,10 +15,7 @@ use crate::vector::Vec3;
 use crate::world::Layer;
 use wide::f32x8;
 
-/// A way inside that never ends counts as this long.
-const FAR: f64 = 1e10;
-
-/// Lanes of transmissivities.
+/// Groups of [`LANES`] transmissivities.
 const L: usize = 2;
 
 /// A transparent material with a given index, explored at several transmissivities.
@@ -59,7 +57,8 @@ pub(super) struct Beta {
 
 /// Hands each path's light to the columns.
 pub(super) struct Dimming<'a> {
-    pub rules: &'a Rules,
+    /// What is known of a throughput scatters as colours do.
+    pub colors: Radiance<'a>,
     pub unknown: &'a Clear,
     pub columns: &'a mut [f32],
 }
@@ -108,18 +107,16 @@ impl Transport for Dimming<'_> {
     }
 
     fn aimed(&self, beta: &Beta, surface: &Surface, wi: Vec3, arriving: Arriving, pdf: f64, counts: &[f64; 4]) -> Beta {
-        let bsdf = &surface.bsdf;
-        Beta { known: beta.known * bsdf.value(wi, arriving, &bsdf.balance(wi, arriving, pdf, counts), self.rules), ..*beta }
+        Beta { known: self.colors.aimed(&beta.known, &surface.bsdf, wi, arriving, pdf, counts), ..*beta }
     }
 
-    fn drawn(&self, beta: &Beta, surface: &Surface, wi: Vec3, part: Part, _: usize, count: f64) -> (Beta, f64) {
-        let density = count * surface.bsdf.pdf(part, wi);
-        let value = surface.bsdf.value(wi, Arriving::Indirect, &part.alone(1.0 / density), self.rules);
-        (Beta { known: beta.known * value, ..*beta }, density)
+    fn drawn(&self, beta: &Beta, surface: &Surface, wi: Vec3, part: Part, way: usize, count: f64) -> (Beta, f64) {
+        let (known, density) = self.colors.drawn(&beta.known, &surface.bsdf, wi, part, way, count);
+        (Beta { known, ..*beta }, density)
     }
 
     fn ambient(&self, beta: &Beta, surface: &Surface, side: usize) -> Beta {
-        Beta { known: beta.known * surface.bsdf.ambient[side], ..*beta }
+        Beta { known: self.colors.ambient(&beta.known, &surface.bsdf, side), ..*beta }
     }
 
     fn follow(&self, beta: &Beta, surface: &Surface, delta: &Delta) -> Beta {

@@ -9,7 +9,7 @@ use crate::bsdf::{Arriving, Bsdf, Delta, Part, Point, lobe};
 use crate::color::Rgb;
 use crate::integrator::{Scattering, Transport};
 use crate::material::Inside;
-use crate::rules::{Rules, Ward};
+use crate::rules::Rules;
 use crate::scene::MaterialId;
 use crate::vector::Vec3;
 use crate::world::Layer;
@@ -254,12 +254,8 @@ impl<const L: usize> Tagging<'_, L> {
             let (wo, h) = (shape.viewer(), shape.viewer() + wi);
             let (nodes, drawn) = self.unknown.gaussians::<L>(h, widened as f32);
             let tilt = if arriving == Arriving::Indirect { shape.tilt(wi) } else { 1.0 };
-            let scale = match self.rules.lobe {
-                Ward::Bounded => tilt * wi.z * h.length_squared() / (PI * h.z.powi(4)),
-                Ward::Original => tilt * wi.z / (4.0 * PI * (wi.z * wo.z).sqrt()),
-            } as f32;
-            let densities = (h.length_squared() / (2.0 * PI * h.z.powi(3))) as f32;
-            (nodes.map(|n| n * scale), (drawn * densities) as f64)
+            let scale = (tilt * lobe::beside_gaussian(self.rules.lobe, wo, wi)) as f32;
+            (nodes.map(|n| n * scale), drawn as f64 * lobe::density_beside_gaussian(h))
         } else {
             let at = |alpha: Alpha| lobe::transmission_pdf(alpha, shape.straight(), wi);
             let nodes = |f: &dyn Fn(Alpha) -> f64| {

@@ -5,7 +5,7 @@ use crate::bsdf::{Arriving, Bsdf, Delta, Part};
 use crate::color::Rgb;
 use crate::error::Source;
 use crate::expand::expand;
-use crate::integrator::Scattering;
+use crate::integrator::{Radiance, Scattering};
 use crate::material::Inside;
 use crate::rad::Document;
 use crate::recover::model::{Kind, alphas, coefficients};
@@ -304,7 +304,7 @@ fn a_basis_of_dielectric_is_the_picture() {
         assert!(x.iter().all(|x| x.iter().sum::<f64>() == 1.0));
         let mut picture = [Told::default(); 16];
         plain(&world, &rules, &mut picture, |sum| Plain {
-            guide: clear::Dimming { rules: &rules, unknown: &guide, columns: &mut [] },
+            guide: clear::Dimming { colors: Radiance { rules: &rules, sum: Rgb::ZERO }, unknown: &guide, columns: &mut [] },
             rules: &rules,
             material,
             order: u8::MAX,

@@ -6,7 +6,7 @@ use crate::accel::{self, Accel, Geometry, Rank};
 use crate::color::bright;
 use crate::environment::Environment;
 use crate::error::{Error, Result};
-use crate::geometry::{Facing, LightShape, Plane};
+use crate::geometry::{Facing, LightShape, Plane, TINY, tolerance};
 use crate::light::{self, Lamp, Relay};
 use crate::material::Material;
 use crate::rules::Rules;
@@ -52,7 +52,7 @@ impl World {
             bends: false,
             gathers: Vec::new(),
             removable: Vec::new(),
-            scale: 1.0,
+            tolerance: TINY,
             unknown: None,
         };
         if let Some((included, names)) = &rules.gathering {
@@ -95,7 +95,7 @@ impl World {
         world.accel = Accel::build(bodies)?;
         let bounds = world.accel.bounds();
         if !bounds.is_empty() {
-            world.scale = if bounds.size() < 1e-3 { bounds.size() / 1e-3 } else { (bounds.size() / 1e3).max(1.0) };
+            world.tolerance = tolerance(bounds.size());
         }
         let middle = world.middle();
         world.probes = Probes::new(&world, &probes, rules.field, ENVIRONMENT_ROWS);
@@ -202,7 +202,7 @@ impl World {
         }
     }
 
-    /// What decides between coincident surfaces (semantics 2.1).
+    /// What decides between coincident surfaces.
     fn rank(&self, chain: ChainId) -> Rank {
         match self.chains[chain].end {
             End::Void => Rank::default(),
@@ -232,7 +232,7 @@ impl World {
             (Material::Spotlight(_, _, aim), Facing::Front(normal)) => aim.normalize().dot(normal) <= 1e-6,
             _ => false,
         };
-        // A light without light is dropped; a distant glow is never a lamp (semantics 2.2, 3.8).
+        // A light without light is dropped; a distant glow is never a lamp.
         if largest <= 1e-6 || distant && glow || averted {
             return Ok(None);
         }

@@ -4,7 +4,7 @@ use super::{Clip, Found, Source, World};
 use crate::accel::Hit;
 use crate::bsdf::{Bsdf, Point};
 use crate::color::Rgb;
-use crate::geometry::Ray;
+use crate::geometry::{FAR, Ray};
 use crate::material::{Inside, Material, Reflectance};
 use crate::pattern::At;
 use crate::rules::Rules;
@@ -94,9 +94,6 @@ impl Emission {
     /// No light.
     const BLACK: Self = Self { radiance: Rgb::ZERO, emitter: Emitter::Hidden, beyond: false };
 }
-
-/// The largest distance: RADIANCE's infinity, which patterns see.
-const FAR: f64 = 1e10;
 
 impl World {
     /// What shines from a direction behind everything, for a ray aimed at `aim`, or that gathers indirect light or not.
@@ -384,7 +381,7 @@ impl Place<'_> {
             // Light that is gathered by all of a hemisphere, or looked for, goes straight through a texture.
             point.bends = !self.coming.ambient && self.coming.aim.is_none() && !self.world.chains[self.found.chain].smooths();
             if let Some(mut shading) = (geometric + point.perturbation).try_normalize() {
-                // A normal that is bent away from the viewer is turned back (semantics 3.2).
+                // A normal that is bent away from the viewer is turned back.
                 if shading.dot(to_viewer) <= 0.0 {
                     shading -= to_viewer * (2.0 * shading.dot(to_viewer));
                 }

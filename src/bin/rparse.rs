@@ -10,6 +10,7 @@ use inverad::import::is_octree;
 use inverad::inventory::Inventory;
 use inverad::rad::{self, Document, Links, Type};
 use inverad::{cal, resolve::Resolve};
+use std::io::{self, Write};
 use std::process::ExitCode;
 use std::sync::Arc;
 
@@ -97,6 +98,8 @@ fn report(sources: Vec<Arc<Source>>, resolve: &dyn Resolve, deny: bool, console:
             console.warn(&format!("{more} more warnings are not shown"));
         }
     }
-    errors.iter().for_each(|error| eprintln!("rparse: {error}"));
+    for error in &errors {
+        let _ = writeln!(io::stderr(), "rparse: {error}");
+    }
     if errors.is_empty() { Answer::Yes } else { Answer::No }
 }

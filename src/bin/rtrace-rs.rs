@@ -23,7 +23,7 @@ fn main() -> ExitCode {
 fn run(args: Arguments, console: &Console) -> Outcome<Answer> {
     let start = Instant::now();
     if args.defaults || args.features {
-        let text = if args.features { FEATURES.into() } else { defaults(&args) };
+        let text = if args.features { FEATURES.into() } else { defaults(&args)? };
         return Output::whole(None, text.as_bytes()).map(|()| Answer::Yes);
     }
     args.possible()?;

@@ -8,7 +8,7 @@ const K: f64 = 0.00287989916;
 /// Cosines of the view, from the normal to the last that meets a flat surface.
 const COSINES: [f64; 4] = [1.0, 0.5, 1e-3, 2e-6];
 
-/// The albedo of plastic, metal or trans of one grey: rs, its Fresnel term, and the diffuse and straight parts (semantics 3.3).
+/// The albedo of plastic, metal or trans of one grey: rs, its Fresnel term, and the diffuse and straight parts.
 fn albedo(kind: &str, [color, specularity, transmission]: [f64; 3], cos: f64) -> f64 {
     let fresnel = if specularity >= 0.017999 { (-5.85 * cos.max(0.001)).exp() - K } else { 0.0 };
     let reflected = specularity + fresnel * (1.0 - specularity);

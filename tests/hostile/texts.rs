@@ -61,6 +61,7 @@ pub fn scenes() -> Vec<Case> {
         ("hexadecimal", with("m sphere s 0 0 4 0 0 0x10 1"), "bad:2:", All),
         ("decimal comma", with("m sphere s 0 0 4 0 0 1,5 1"), "bad:2:", All),
         ("a count that is no number", with("m sphere s zero 0 4 0 0 0 1"), "bad:2:", All),
+        ("counts beyond all words", "m plastic b 99999999\n".repeat(20_000), "bad:1:", All),
         ("a negative count", with("m sphere s -1 0 4 0 0 0 1"), "bad:2:", All),
         ("a fraction of a count", with("m sphere s 0.5 0 4 0 0 0 1"), "bad:2:", All),
         ("a huge count", with("m sphere s 0 0 999999999 0 0 0 1"), "bad:2:", All),

@@ -23,7 +23,7 @@ pub struct Accuracy {
     #[arg(long, value_name = "A..B", value_parser = samples, conflicts_with_all = ["variance", "aov", "coverage", "xyz"])]
     pub samples: Option<Range<u32>>,
 
-    /// The best picture in this many seconds
+    /// The best picture in this many seconds; of rays, for those that are answered together
     #[arg(long, value_name = "S")]
     pub time: Option<f64>,
 }

@@ -1,6 +1,9 @@
 //! What RADIANCE's options come to here: each that was given, in words, and all of them as `rtrace -defaults` lists them.
 
 use super::{Arguments, Light, Tuning};
+use crate::color::Rgb;
+use crate::error::Result;
+use crate::rays::Space;
 use std::fmt::Display;
 use std::fmt::Write;
 
@@ -213,55 +216,57 @@ fn differing(light: &Light) -> [(bool, &'static str, &'static str, &'static str)
 }
 
 /// What holds for every option, as `rtrace -defaults` lists it. Where there is no number for it, the line is a comment.
-pub fn defaults(arguments: &Arguments) -> String {
-    let (light, rays, picture, tuning) = (&arguments.light, &arguments.rays, &arguments.picture, &arguments.light.tuning);
+pub fn defaults(arguments: &Arguments) -> Result<String> {
+    let (rays, picture, tuning) = (&arguments.rays, &arguments.picture, &arguments.light.tuning);
+    let rules = arguments.light.rules(&|_| Ok(vec![]))?;
     let mut out = String::new();
     let mut line = |option: String, what: &str| {
         let _ = writeln!(out, "{option:<24}\t# {what}");
     };
-    let switch = |name: &str, value: Option<bool>, default: bool| format!("{name}{}", if value.unwrap_or(default) { '+' } else { '-' });
+    let switch = |name: &str, on: bool| format!("{name}{}", if on { '+' } else { '-' });
     let number = |name: &str, value: Option<f64>, otherwise: &str| match value {
         Some(v) => format!("{name} {v}"),
-        None if otherwise.starts_with(|c: char| c.is_ascii_digit()) => format!("{name} {otherwise}"),
         None => format!("# {name}: {otherwise}"),
     };
-    let color = |name: &str, value: &Option<Vec<f64>>| format!("{name} {}", words(value).unwrap_or_else(|| "0 0 0".into()));
-    let whole = |v: Option<i64>| v.map(|v| v as f64);
-    line(switch("-w", tuning.w, true), "warning messages");
+    let color = |name: &str, value: Rgb| format!("{name} {} {} {}", value.x, value.y, value.z);
+    let bounces = Some(rules.ambient_bounces).filter(|n| *n < u32::MAX).map(f64::from);
+    line(switch("-w", tuning.w.unwrap_or(true)), "warning messages");
     line(format!("-x {}", picture.x.unwrap_or(0)), "flush interval");
     line(format!("-y {}", picture.y.unwrap_or(0)), "y resolution");
-    line(switch("-ld", rays.limit, false), "limit distance");
-    line(switch("-h", rays.header, true), "output header");
+    line(switch("-ld", rays.limit.unwrap_or(false)), "limit distance");
+    line(switch("-h", rays.header.unwrap_or(true)), "output header");
     line(format!("-f{}", rays.format.as_deref().unwrap_or("aa")), "format input/output");
     line(format!("-o{}", rays.specifiers.as_deref().unwrap_or("v")), "output values");
-    let color_space = match (picture.xyz, picture.luminance) {
-        (true, _) => "-pXYZ",
-        (_, true) => "-pY",
-        _ => "-pRGB",
+    let space = match picture.space() {
+        Space::Rgb => "-pRGB",
+        Space::Xyz => "-pXYZ",
+        Space::Photopic => "-pY",
+        Space::Scotopic => "-pS",
+        Space::Melanopic => "-pM",
     };
-    line(color_space.into(), "color output");
-    line(switch("-i", light.irradiance, false), "irradiance calculation");
-    line(switch("-I", rays.point_irradiance, false), "immediate irradiance calculation");
-    line(switch("-u", tuning.u, false), "uncorrelated sampling (--seed fixes every choice)");
-    line(switch("-bv", light.bv, true), "back face visibility");
+    line(space.into(), "color output");
+    line(switch("-i", rules.irradiance), "irradiance calculation");
+    line(switch("-I", rays.point_irradiance.unwrap_or(false)), "immediate irradiance calculation");
+    line(switch("-u", tuning.u.unwrap_or(false)), "uncorrelated sampling (--seed fixes every choice)");
+    line(switch("-bv", rules.back_visible), "back face visibility");
     line("-dt 0".into(), "direct threshold");
     line("-dc 1".into(), "direct certainty");
-    line(number("-dj", light.dj, "lamps are integrated"), "direct jitter");
-    line(number("-ds", light.ds, "0"), "direct sampling (with -dj)");
-    line(format!("-dr {}", light.dr.unwrap_or(2)), "direct relays");
+    line(number("-dj", rules.light_jitter, "lamps are integrated"), "direct jitter");
+    line(format!("-ds {}", rules.light_division), "direct sampling (with -dj)");
+    line(format!("-dr {}", rules.mirror_levels), "direct relays");
     line("-dp 0".into(), "direct pretest density");
-    line(switch("-dv", light.dv, true), "direct visibility");
-    line(number("-ss", light.ss, "the lobe itself"), "specular sampling");
-    line(number("-st", light.st, "0"), "specular threshold");
-    line(color("-av", &light.av), "ambient value");
+    line(switch("-dv", rules.lights_visible), "direct visibility");
+    line(number("-ss", rules.specular_sampling, "the lobe itself"), "specular sampling");
+    line(format!("-st {}", rules.specular_threshold), "specular threshold");
+    line(color("-av", rules.ambient_value), "ambient value");
     line("-aw 0".into(), "ambient value weight");
-    line(number("-ab", whole(light.ab), "all"), "ambient bounces");
+    line(number("-ab", bounces, "all"), "ambient bounces");
     line("-aa 0".into(), "ambient accuracy");
-    line(color("-me", &light.me), "extinction coefficient of the medium");
-    line(color("-ma", &None), "scattering albedo of the medium");
-    line(number("-lr", light.lr.map(f64::from), "no limit"), "limit reflection");
-    line(number("-lw", light.lw, "no limit, roulette"), "limit weight");
-    out
+    line(color("-me", rules.extinction), "extinction coefficient of the medium");
+    line("-ma 0 0 0".into(), "scattering albedo of the medium");
+    line(number("-lr", rules.limit_reflections.map(f64::from), "no limit"), "limit reflection");
+    line(number("-lw", rules.limit_weight, "no limit, roulette"), "limit weight");
+    Ok(out)
 }
 
 /// RADIANCE's names of the features there are, a line each, as `rtrace -features` lists them.
@@ -290,3 +295,20 @@ OutputFormats=a,f,d,c
 Outputs=o,d,v,V,w,W,l,L,c,p,n,N,s,m,M,r,x,R,X,~
 OutputCS=RGB,XYZ,Y,S,M
 ";
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::args::{Typed, parse};
+
+    #[test]
+    fn what_holds_is_listed_and_not_what_was_typed() {
+        let line = ["rtrace-rs", "-defaults", "-pS", "-ad", "0", "-av", ".1", ".2", ".3"];
+        let typed = parse::<Arguments>(line.map(Into::into).into(), &|name| Err(crate::error::Error::new(name))).unwrap();
+        let Typed::Run(arguments, _) = typed else { panic!() };
+        let listed = defaults(&arguments).unwrap();
+        for option in ["-pS", "-ab 0", "-av 0.1 0.2 0.3", "-dr 2", "# -lr: no limit"] {
+            assert!(listed.lines().any(|line| line.split('\t').next().unwrap().trim() == option), "{option}: {listed}");
+        }
+    }
+}

@@ -15,9 +15,9 @@ impl Functions {
         let (mut library, mut others) = (Library::stand_alone(), Vec::new());
         let mut options = options.iter();
         while let Some(option) = options.next() {
-            let source = match (option.as_str(), "-e", "-f") {
-                (o, e, _) if o == e => options.next().map(|text| Source::new("-e", text.as_str())),
-                (o, _, f) if o == f => match options.next() {
+            let source = match option.as_str() {
+                "-e" => options.next().map(|text| Source::new("-e", text.as_str())),
+                "-f" => match options.next() {
                     Some(name) => Some(Source::new(name.as_str(), read(name, true)?)),
                     None => None,
                 },

@@ -3,6 +3,7 @@
 use super::number;
 use super::sky::{HIGHEST, OVERCAST_GROUND, clear_ground, intermediate_ground};
 use super::sun::{Moment, direction};
+use crate::color::WHITE_EFFICACY;
 use crate::error::{Error, Result};
 use crate::expand::printf::e;
 use crate::vector::Vec3;
@@ -12,7 +13,6 @@ use std::f64::consts::{FRAC_PI_2, PI};
 const SOLAR_CONSTANT: f64 = 1367.0;
 const SOLAR_CONSTANT_LUX: f64 = 127500.0;
 /// RADIANCE's lumens per watt of white.
-const WHITE_EFFICACY: f64 = crate::color::WHITE_EFFICACY;
 /// Half the angle that the sun takes, degrees.
 const SUN_HALF_ANGLE: f64 = 0.2665;
 /// Precipitable water in the atmosphere, cm.
