@@ -71,10 +71,13 @@ pub enum Commands {
     Deny,
 }
 
-/// A radius of a pixel's filter.
-fn radius(word: &str) -> std::result::Result<f64, String> {
+/// A radius of a pixel's filter, in pixels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Radius(pub f64);
+
+fn radius(word: &str) -> std::result::Result<Radius, String> {
     let radius = word.parse().ok().filter(|radius| (0.0..=WIDEST).contains(radius));
-    radius.ok_or_else(|| format!("not a radius; give one in pixels, from 0 to {WIDEST}"))
+    radius.map(Radius).ok_or_else(|| format!("not a radius; give one in pixels, from 0 to {WIDEST}"))
 }
 
 /// The words of every view option, in the order they were typed: `-vf cam.vf -vp 0 0 5 -vth`.

@@ -390,10 +390,11 @@ impl Bsdf {
     /// The balance heuristic's weight, over the density, of each part for a direction aimed at a light with density `pdf`, where `counts` samples
     /// of each part might have found the light too (Veach 1997, equation 9.8). Indirect light is weighed for the parts that have samples only.
     pub fn balance(&self, wi: Vec3, arriving: Arriving, pdf: f64, counts: &[f64; 4]) -> [f64; 4] {
+        let passes = self.passes(wi);
         std::array::from_fn(|k| match counts[k] {
             0.0 if arriving == Arriving::Indirect => 0.0,
-            0.0 => 1.0 / pdf,
-            count => 1.0 / (pdf + count * self.pdf(Part::ALL[k], wi)),
+            count if passes => 1.0 / (pdf + count * self.pdf(Part::ALL[k], wi)),
+            _ => 1.0 / pdf,
         })
     }
 
@@ -498,7 +499,7 @@ impl Bsdf {
         }
     }
 
-    /// One sample of a rough lobe by RADIANCE's rule (`-ss` at most 1.5): a local direction that carries the whole colour of the lobe, as it is
+    /// One sample of a rough lobe by RADIANCE's rule (`-ss` at most [`UNWEIGHTED`](crate::rules::UNWEIGHTED)): a local direction that carries the whole colour of the lobe, as it is
     /// accepted within ten tries. Below 1, `-ss` narrows the lobe; at 0 it is a mirror.
     pub fn unweighted(&self, part: Part, spread: f64, sampler: &mut Sampler) -> Option<(Vec3, Rgb)> {
         let lobe = self.lobes[part.side()].filter(|l| l.gathers)?;

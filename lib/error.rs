@@ -40,6 +40,11 @@ pub struct Span {
 }
 
 impl Span {
+    /// Whether it is the same stretch of the same text.
+    pub fn is(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.source, &other.source) && (self.start, self.end) == (other.start, other.end)
+    }
+
     /// The stretch `start..end` of `source`.
     pub fn new(source: &Arc<Source>, start: usize, end: usize) -> Self {
         Self { source: source.clone(), start, end }

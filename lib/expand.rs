@@ -149,6 +149,12 @@ enum Stop {
     Fatal(Error),
 }
 
+impl From<Error> for Stop {
+    fn from(error: Error) -> Self {
+        Self::Failed(error)
+    }
+}
+
 type Step<T> = std::result::Result<T, Stop>;
 
 fn fatal(error: Error) -> Stop {
@@ -307,7 +313,7 @@ impl Expander<'_> {
 
     fn xform(&mut self, arguments: &[String], input: Vec<Item>, folder: &str, out: &mut Vec<Item>) -> Step<()> {
         let argument_file = |name: &str| self.resolve.scene(&joined(folder, name)).map(decode);
-        let xform = Xform::parse(arguments, argument_file).map_err(Stop::Failed)?;
+        let xform = Xform::parse(arguments, argument_file)?;
         let around = self.copies;
         self.copies = around.saturating_mul(xform.copies.len());
         // Read all files before the first copy; a missing one ends each copy where it stands.

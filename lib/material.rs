@@ -94,8 +94,8 @@ pub struct Medium {
 pub struct Inside {
     /// Extinction per unit length, per channel.
     pub extinction: Rgb,
-    /// Whether it is the unknown that fills it: then its extinction is not known, and the length is what counts.
-    pub unknown: bool,
+    /// What its patterns add to the extinction, if it is the unknown that fills it: then only the length counts beside.
+    pub unknown: Option<Rgb>,
 }
 
 impl Reflectance {
@@ -110,7 +110,7 @@ impl Reflectance {
 impl Inside {
     /// A known medium.
     pub fn of(extinction: Rgb) -> Self {
-        Self { extinction, unknown: false }
+        Self { extinction, unknown: None }
     }
 
     /// The part of the light that `length` of it lets through, with RADIANCE's cuts.
@@ -137,6 +137,11 @@ pub const PURE: f64 = 0.001;
 pub const FRESNEL_FROM: f64 = 0.017999;
 
 impl Medium {
+    /// The same that absorbs nothing.
+    pub fn cleared(&self) -> Self {
+        Self { transmissivity: Rgb::ONE, ..*self }
+    }
+
     /// Extinction per unit length, −ln of the transmissivity times `pattern`: 100 for black, 0 for clear.
     pub fn extinction(&self, pattern: Rgb) -> Rgb {
         (self.transmissivity * pattern).to_array().map(|t| if t < 1e-40 { 100.0 } else { (-t.ln()).max(0.0) }).into()

@@ -36,10 +36,12 @@ pub struct Panorama {
 }
 
 impl Panorama {
-    /// The tables of the radiance `radiance` of a direction of travel, taken at `height` × 2·`height` places.
+    /// The tables of the radiance `radiance` of a direction of travel, taken at `height` × 2·`height` places. What is far brighter than the mean
+    /// is cut: at a horizon the irradiance by a lamp would be coarse, and directions that are aimed there find it anyway.
     pub fn new(height: usize, radiance: impl Fn(Vec3) -> Rgb + Sync) -> Self {
         let finite = |v: f64| if v.is_finite() { v.max(0.0) } else { 0.0 };
-        let radiance = Table::new(height, 0.5, |direction| Rgb::from(radiance(direction).to_array().map(finite)));
+        let mut radiance = Table::new(height, 0.5, |direction| Rgb::from(radiance(direction).to_array().map(finite)));
+        radiance.cut(BRIGHTEST);
         let moments = moments(&radiance);
         let irradiance = Table::new(NORMALS, 0.0, |normal| irradiance(&moments, normal));
         Self { radiance, irradiance }
@@ -56,7 +58,10 @@ impl Panorama {
     }
 }
 
-/// Rows of the table of irradiance, and of the blocks that it is made from. Errors are below a thousandth, unless a lamp is at the horizon.
+/// In terms of the mean, the brightest that is not cut.
+const BRIGHTEST: f64 = 10.0;
+
+/// Rows of the table of irradiance, and of the blocks that it is made from. Errors are about a thousandth.
 const NORMALS: usize = 64;
 const BLOCKS: usize = 32;
 
@@ -138,6 +143,18 @@ impl Table {
 
     fn height(&self) -> usize {
         self.nodes.len() / self.width
+    }
+
+    /// Cuts what is more than so many times the mean over all directions, channel by channel.
+    fn cut(&mut self, most: f64) {
+        let (mut sums, mut whole) = ([0.0; 3], 0.0);
+        for (y, row) in self.nodes.chunks_exact(self.width).enumerate() {
+            let size = (PI * (y as f64 + self.first) / (self.width / 2) as f64).sin();
+            whole += size * row.len() as f64;
+            row.iter().for_each(|node| (0..3).for_each(|c| sums[c] += size * node[c] as f64));
+        }
+        let limit = sums.map(|sum| (most * sum / whole) as f32);
+        self.nodes.iter_mut().for_each(|node| (0..3).for_each(|c| node[c] = node[c].min(limit[c])));
     }
 
     fn at(&self, place: Place) -> Rgb {

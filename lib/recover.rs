@@ -71,6 +71,8 @@ pub struct Effort<'a> {
     pub around: Option<&'a [f64]>,
     /// Only look at what can be seen at once: enough to compare types of material.
     pub quick: bool,
+    /// By how much the value that is wished for changes with the one that is looked for, by the place of the parameter and that value.
+    pub rate: &'a (dyn Fn(usize, f64) -> f64 + Sync),
     /// Who is told what each round found.
     pub told: &'a (dyn Fn(&Recovery) + Sync),
 }

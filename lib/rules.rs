@@ -19,7 +19,7 @@ pub struct Rules {
     pub limit_weight: Option<f64>,
     /// `-st`: rough specularity at or below this joins the diffuse part, except for the highlights of light sources.
     pub specular_threshold: f64,
-    /// `-ss`: given and not above 1.5, rough reflection is RADIANCE's single unweighted sample; otherwise it is the lobe itself.
+    /// `-ss`: given and not above [`UNWEIGHTED`], rough reflection is RADIANCE's single unweighted sample; otherwise it is the lobe itself.
     pub specular_sampling: Option<f64>,
     /// `-dj`: given, each light source is one sample at its centre (or one for each of its parts, see `light_division`), jittered over this
     /// fraction of its extent; otherwise it is integrated.
@@ -66,6 +66,9 @@ pub enum Ward {
 
 /// RADIANCE's constant since June 2026; it makes the term vanish at normal incidence. Releases from March 2023 to 6.0.2 have .00202943064.
 pub const FRESNEL_OFFSET: f64 = 0.00287989916;
+
+/// The largest `-ss` by which rough reflection is a single unweighted sample.
+pub const UNWEIGHTED: f64 = 1.5;
 
 impl Default for Rules {
     fn default() -> Self {

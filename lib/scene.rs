@@ -43,6 +43,8 @@ pub type MaterialId = usize;
 pub struct Named {
     /// Its identifier.
     pub name: String,
+    /// Where it is defined.
+    pub place: Span,
     /// Its type and numbers.
     pub material: Material,
     /// The tangent of an anisotropic lobe.
@@ -170,9 +172,9 @@ impl Scene {
         errors
     }
 
-    /// The material called `name`, if a surface uses it.
-    pub fn material(&self, name: &str) -> Option<MaterialId> {
-        self.materials.iter().rposition(|m| m.name == name)
+    /// The material that a primitive defines, if a surface uses it. Others, in meshes and octrees, may have its name.
+    pub fn material(&self, primitive: &Primitive) -> Option<MaterialId> {
+        self.materials.iter().rposition(|m| m.place.is(&primitive.span))
     }
 }
 

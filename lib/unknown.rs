@@ -229,6 +229,19 @@ impl Unknown {
         (!known.parameters.is_empty()).then_some(known)
     }
 
+    /// The same with what `length` lets through instead of the transmissivity of a unit of length, its first three numbers.
+    pub fn through(&self, length: f64) -> Self {
+        let mut through = self.clone();
+        let power = |v: &mut f64| *v = v.max(0.0).powf(length);
+        through.start[..3].iter_mut().for_each(power);
+        for (slot, parameter) in through.parameters.iter_mut().enumerate() {
+            if self.slots[..3].contains(&Some(slot)) {
+                [&mut parameter.start, &mut parameter.low, &mut parameter.high].into_iter().for_each(power);
+            }
+        }
+        through
+    }
+
     /// The same with its parameter at `slot` not below `low`.
     pub fn at_least(&self, slot: usize, low: f64) -> Self {
         let mut bounded = self.clone();

@@ -26,6 +26,24 @@ fn hartmanns_constant_stays_apart_from_the_index() {
 }
 
 #[test]
+fn the_unit_of_length_does_not_matter() {
+    for size in [0.1, 1.0, 50.0f64] {
+        let truth = [0.8f64, 0.5, 0.3].map(|through| through.powf(0.5 / size));
+        let material = format!("dielectric it 0 0 5 {} {} {} 1.5 0", truth[0], truth[1], truth[2]);
+        let sky = SCENE.split("it sphere").next().unwrap().replace(",400,0)", ",4,0)");
+        let view = format!("-x 40 -y 40 --spp 64 -ab 1 -vp 0 {} {size} -o target.exr", -5.0 * size);
+        let directory = photographed(&material, &format!("{sky}it sphere s 0 0 4 0 0 0 {size}\n"), &view);
+        let out = recovered(directory.path(), "-ab 1 --fix hartmann --scene scene.rad --target target.exr start.rad");
+        for (name, truth) in ["red", "green", "blue"].into_iter().zip(truth) {
+            let (value, error) = said(&out, name);
+            assert!((value - truth).abs() < 3.0 * error && error < 0.02 * (1.0 - truth), "{size}: {name}: {value} ± {error}, not {truth}");
+        }
+        let (index, error) = said(&out, "ior");
+        assert!((index - 1.5).abs() < 3.0 * error && error < 0.001, "{size}: {index} ± {error}");
+    }
+}
+
+#[test]
 fn clear_glass_is_not_too_dark() {
     let mut sums = [0.0; 3];
     for seed in 0..PHOTOGRAPHS {

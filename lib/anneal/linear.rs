@@ -45,6 +45,11 @@ impl Symmetric {
         self.cells[j * self.size + i] = value;
     }
 
+    /// Of a covariance: that of the values times these factors.
+    pub fn scaled(&self, factors: &[f64]) -> Self {
+        Self::of(self.size, |i, j| self.at(i, j) * factors[i] * factors[j])
+    }
+
     /// Of a covariance: the standard deviations.
     pub fn deviations(&self) -> Vec<f64> {
         (0..self.size).map(|i| self.at(i, i).max(0.0).sqrt()).collect()

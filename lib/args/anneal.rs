@@ -4,6 +4,7 @@ use super::rtrace::Light;
 use super::{Common, Scenes, ViewWords, radius};
 use crate::anneal::Options;
 use crate::error::{Error, Result};
+use crate::rules::UNWEIGHTED;
 use crate::unknown::{Bounds, TYPES, Wishes, names};
 use clap::builder::PossibleValuesParser;
 use std::path::PathBuf;
@@ -87,7 +88,7 @@ pub struct Photo {
 
     /// No picture yet: the standard errors that one would give if the unknown were START.rad's, what it would not tell, and what would
     /// help. Assumed is noise of 2 % in each pixel
-    #[arg(long, requires = "scene", conflicts_with_all = ["target", "exec", "state", "log", "report", "time", "tolerance", "steps"])]
+    #[arg(long, requires = "scene", conflicts_with_all = ["target", "exec", "state", "log", "report", "time", "tolerance", "steps", "mask", "direct", "stages", "residuals", "no_polish"])]
     pub predict: bool,
 
     /// Largest width of the picture to predict, in pixels [default: 160]
@@ -155,7 +156,7 @@ pub enum Sharpness {
 }
 
 fn sharpness(word: &str) -> std::result::Result<Sharpness, String> {
-    if word == AUTO { Ok(Sharpness::Unknown) } else { radius(word).map(Sharpness::Radius) }
+    if word == AUTO { Ok(Sharpness::Unknown) } else { radius(word).map(|radius| Sharpness::Radius(radius.0)) }
 }
 
 /// What `--type` may be.
@@ -240,6 +241,16 @@ impl Arguments {
         if self.photo.filter == Some(Sharpness::Unknown) && (self.photo.target.is_none() || self.photo.direct) {
             return Err(Error::new("--filter auto finds the filter of a --target without --direct; give its radius here"));
         }
+        let (light, seen) = (&self.light, self.photo.target.is_some() && !self.photo.direct || self.photo.predict);
+        if seen && (light.st.is_some_and(|st| st > 0.0) || light.ss.is_some_and(|ss| ss <= UNWEIGHTED)) {
+            return Err(Error::new(
+                "-st and -ss are shortcuts of a rendering, which no photograph takes; leave them out (or give --direct)",
+            ));
+        }
+        let kept = [("--state", &self.search.state), ("--log", &self.search.log), ("--report", &self.search.report)];
+        if let Some((option, _)) = kept.iter().find(|(_, path)| path.as_ref().is_some_and(|path| path.as_os_str() == "-")) {
+            return Err(Error::new(format!("{option} takes the name of a file: the answer goes to standard output")));
+        }
         let words: Vec<&str> = self.words.iter().map(String::as_str).collect();
         if matches!(words[..], ["propose" | "tell" | "best", _, ..]) && (self.search.state.is_some() || self.search.log.is_some()) {
             return Err(Error::new(format!("{} keeps the search in the file after it, and no log; leave --state and --log out", words[0])));
@@ -255,7 +266,7 @@ impl Arguments {
             ["best", state] => Ok(Job::Best(state.into())),
             ["propose" | "tell" | "best", ..] => Err(Error::new(format!("{} takes the file that keeps the search; see --help", words[0]))),
             [start] => Ok(Job::Search(start.into())),
-            _ => Err(Error::new("one START.rad only: put the unknown material into one file")),
+            _ => Err(Error::new("one START.rad only: put the unknown material into one file, and --scene before each file of the scene")),
         }
     }
 
@@ -274,8 +285,14 @@ impl Arguments {
     /// What was said of the way to search that is of no use where no candidate is judged: a recovery from a picture.
     pub fn idle(&self) -> Vec<&'static str> {
         let SearchOptions { steps, stages, residuals, no_polish, .. } = &self.search;
-        let said =
-            [("--steps", steps.is_some()), ("--stages", *stages > 1), ("--residuals", residuals.is_some()), ("--no-polish", *no_polish)];
+        let groups = self.unknown.groups.is_some();
+        let said = [
+            ("--groups", groups),
+            ("--steps", steps.is_some()),
+            ("--stages", *stages > 1),
+            ("--residuals", residuals.is_some()),
+            ("--no-polish", *no_polish),
+        ];
         said.into_iter().filter_map(|(option, said)| said.then_some(option)).collect()
     }
 
@@ -358,7 +375,7 @@ mod tests {
         assert_eq!(wishes.tied, [["red", "green", "blue"]]);
         assert_eq!(wishes.groups, [vec!["rgb"], vec!["spec", "rough"]]);
         assert_eq!(arguments.options().unwrap().steps, 9);
-        assert_eq!((arguments.idle(), typed("anneal s.rad").unwrap().idle()), (vec!["--steps"], vec![]));
+        assert_eq!((arguments.idle(), typed("anneal s.rad").unwrap().idle()), (vec!["--groups", "--steps"], vec![]));
         assert!(typed("anneal s.rad --param rough=1").unwrap_err().message.contains("write NAME=START:LOW:HIGH"));
         assert!(typed("anneal s.rad --no-polish --tolerance .1").unwrap().options().unwrap_err().message.contains("give one of them"));
     }

@@ -21,7 +21,7 @@ pub struct Args {
     pub mode: Mode,
 
     /// With --keep: give parameter PARAM (rough, a5) of the modifier ID this value; can be repeated
-    #[arg(long, value_name = "ID:PARAM=VALUE", requires = "keep")]
+    #[arg(long, value_name = "ID:PARAM=VALUE", requires = "keep", conflicts_with_all = ["check", "json", "stats", "materials"])]
     pub set: Vec<String>,
 
     /// What programs that read scenes share.

@@ -5,10 +5,10 @@ mod explain;
 mod modes;
 
 pub use accuracy::Accuracy;
-pub use explain::{FEATURES, defaults, explain};
+pub use explain::{FEATURES, defaults, explain, has};
 pub use modes::ends_in;
 
-use super::{Common, Scenes, ViewWords, radius};
+use super::{Common, Radius, Scenes, ViewWords, radius};
 use crate::color::Rgb;
 use crate::error::{Error, Result};
 use crate::picture::PRIMARIES;
@@ -77,7 +77,7 @@ pub struct Arguments {
     #[arg(long = "defaults")]
     pub defaults: bool,
 
-    /// Print which features of RADIANCE's there are, and end
+    /// Print which features of RADIANCE's there are, and end: with exit status 1 if one that is named is not among them
     #[arg(long = "features")]
     pub features: bool,
 
@@ -108,7 +108,7 @@ pub struct PictureOptions {
 
     /// Instead, a pixel weighs light by a Gaussian of this radius in pixels around its centre, as pfilt -r does; 0 is the box
     #[arg(long, value_name = "R", conflicts_with = "pj", value_parser = radius)]
-    pub filter: Option<f64>,
+    pub filter: Option<Radius>,
 
     /// Diameter of the lens; things are in focus at the length of -vd [default: 0]
     #[arg(long = "pd", value_name = "F")]
@@ -173,7 +173,7 @@ impl PictureOptions {
 
     /// Which of the light around its centre a pixel takes in.
     pub fn filter(&self) -> Filter {
-        self.filter.map_or_else(|| Filter::boxed(self.pj.map_or(1.0, |width| width.max(0.0))), |radius| Filter::gaussian(radius, None))
+        self.filter.map_or_else(|| Filter::boxed(self.pj.map_or(1.0, |width| width.max(0.0))), |radius| Filter::gaussian(radius.0, None))
     }
 
     /// What colours are told in.

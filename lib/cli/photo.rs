@@ -105,7 +105,7 @@ impl<'a> Photo<'a> {
         let rules = arguments.light.rules(&|file| scene::list(&disk, file))?;
         let scene = Scene::new(&flat, &disk, false)?;
         scene.warnings.iter().for_each(|w| console.warn(w));
-        let material = scene.material(sought);
+        let material = scene.material(&flat.primitives[place]);
         let material = material.ok_or_else(|| unknown.material().error("no surface of the scene is made of it"))?;
         if rules.ambient_value == Rgb::ZERO && !scene.materials.iter().any(|named| named.material.emits()) {
             let remedy = "give --scene the file with the lamps or the sky too (or -av, light from everywhere)";

@@ -122,6 +122,16 @@ impl Search {
         &self.kept.annealer
     }
 
+    /// Takes the chi-squared of the proposal.
+    pub fn tell(&mut self, chi2: f64) -> Result<()> {
+        let annealer = &mut self.kept.annealer;
+        if annealer.told() == 0 && !chi2.is_finite() {
+            return Err(Error::new(format!("the chi-squared of the start is {chi2}: the start must be possible")));
+        }
+        annealer.tell(chi2);
+        Ok(())
+    }
+
     /// The file with the values of the proposal; `None` when the search is over.
     pub fn proposal(&self) -> Result<Option<Vec<u8>>> {
         self.unknown.told_by_file()?;
@@ -182,11 +192,9 @@ impl Search {
                 }
             };
             let annealer = &mut self.kept.annealer;
-            if annealer.told() == 0 && !chi2.is_finite() {
-                return Err(Error::new(format!("the chi-squared of the start is {chi2}: the start must be possible")).into());
-            }
             let line = log.is_some().then(|| line(annealer, &self.unknown, chi2));
-            annealer.tell(chi2);
+            self.tell(chi2)?;
+            let annealer = &mut self.kept.annealer;
             if let (Some(log), Some(line)) = (&mut log, line) {
                 log.write(&line)?;
             }

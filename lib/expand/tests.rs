@@ -130,10 +130,13 @@ fn other_commands_are_left_to_the_resolver() {
 
 #[test]
 fn arrays_are_bounded() {
-    for array in ["-a 99999999", "-a 999999 -t 1 0 0 -a 999999", "-i 99999999 -t 1 0 0"] {
-        let out = flat(&[("a.rad", &format!("!xform {array} b.rad")), ("b.rad", "m sphere b 0 0 4 1 0 0 1")]).unwrap();
-        assert_eq!((out.primitives.len(), out.warnings.len()), (0, 2), "{array}");
+    let array = |words: &str| flat(&[("a.rad", &format!("!xform {words} b.rad")), ("b.rad", "m sphere b 0 0 4 1 0 0 1")]);
+    for words in ["-a 99999999", "-a 999999 -t 1 0 0 -a 999999"] {
+        assert!(array(words).unwrap_err().to_string().contains("smaller array"), "{words}");
     }
+    let out = array("-i 99999999 -t 1 0 0").unwrap();
+    assert_eq!((out.primitives.len(), out.warnings.len()), (0, 2));
+    assert_eq!(array("-a 400 -t 3 0 0 -a 300 -t 0 3 0").unwrap().primitives.len(), 120_000);
     let bomb: Vec<_> = (0..20).map(|i| (format!("{i}.rad"), format!("!xform -a 100 {}.rad", i + 1))).collect();
     let mut files: Vec<(&str, &str)> = bomb.iter().map(|(n, t)| (n.as_str(), t.as_str())).collect();
     files.push(("20.rad", "m sphere b 0 0 4 1 0 0 1"));

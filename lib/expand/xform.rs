@@ -1,14 +1,14 @@
 //! `xform`: moves primitives, renames them, turns them inside out, repeats them.
 
 use super::shell::quoted;
-use super::{Annotation, Command, Item};
+use super::{Annotation, Command, Item, Step, Stop};
 use crate::error::{Error, Result};
 use crate::rad::{Class, Number, Primitive, real};
 use crate::transform::Transform;
 use crate::vector::Vec3;
 
-/// Most words of one command once its arrays are written out, a hundred thousand copies and more.
-const WORD_LIMIT: usize = 1_000_000;
+/// Most words of one command once its arrays are written out: half a million copies.
+const WORD_LIMIT: usize = 4_000_000;
 
 /// What one `xform` command asks for.
 pub struct Xform {
@@ -31,7 +31,7 @@ pub struct Copy {
 
 impl Xform {
     /// Reads the command's arguments; `argument_file` gives the text of the file that `-f` names.
-    pub fn parse(arguments: &[String], argument_file: impl Fn(&str) -> Result<String>) -> Result<Self> {
+    pub fn parse(arguments: &[String], argument_file: impl Fn(&str) -> Result<String>) -> Step<Self> {
         let (mut expand, mut invert, mut prefixes, mut modifier, mut at) = (true, false, Vec::new(), None, 0);
         while let Some(option) = arguments.get(at) {
             match (option.as_str(), arguments.get(at + 1)) {
@@ -52,7 +52,9 @@ impl Xform {
         for (id, words) in lists {
             let (transform, used) = Transform::parse(&words).map_err(|e| Error::new(format!("xform: {}", e.message)))?;
             if let Some(word) = words.get(used).filter(|w| w.starts_with('-') && w.len() > 1) {
-                return Err(Error::new(format!("xform: `{word}` is no transform; -n, -m, -I, -c and -e must stand before all transforms")));
+                return Err(
+                    Error::new(format!("xform: `{word}` is no transform; -n, -m, -I, -c and -e must stand before all transforms")).into()
+                );
             }
             let prefix = match id {
                 None => (!prefixes.is_empty()).then(|| prefixes.join(".")),
@@ -69,13 +71,13 @@ impl Xform {
 type List = (Option<(char, String)>, Vec<String>);
 
 /// Puts each line of an argument file (`-f file`) in its place, one copy a line.
-fn repeat_for_lines(lists: &mut Vec<List>, argument_file: impl Fn(&str) -> Result<String>) -> Result<()> {
+fn repeat_for_lines(lists: &mut Vec<List>, argument_file: impl Fn(&str) -> Result<String>) -> Step<()> {
     for round in 0.. {
         if !lists.iter().any(|(_, words)| words.iter().any(|w| w == "-f")) {
             break;
         }
         if round == 8 {
-            return Err(Error::new("xform: an argument file names an argument file; write all lines into one"));
+            return Err(Error::new("xform: an argument file names an argument file; write all lines into one").into());
         }
         let mut longer = Vec::new();
         for (id, words) in lists.iter() {
@@ -99,7 +101,7 @@ fn repeat_for_lines(lists: &mut Vec<List>, argument_file: impl Fn(&str) -> Resul
 }
 
 /// Puts `-i 0`, `-i 1`… in place of each array (`-a n`), the first outermost.
-fn repeat_for_counts(lists: &mut Vec<List>) -> Result<()> {
+fn repeat_for_counts(lists: &mut Vec<List>) -> Step<()> {
     while lists.iter().any(|(_, words)| words.iter().any(|w| w == "-a")) {
         let mut longer = Vec::new();
         for (id, words) in lists.iter() {
@@ -126,9 +128,9 @@ fn extended(id: &Option<(char, String)>, letter: char, i: usize) -> Option<(char
     Some(id.as_ref().map_or((letter, i.to_string()), |(letter, name)| (*letter, format!("{name}.{i}"))))
 }
 
-fn limit(copies: usize, words: usize) -> Result<()> {
+fn limit(copies: usize, words: usize) -> Step<()> {
     if copies.saturating_mul(words) > WORD_LIMIT {
-        return Err(Error::new(format!("xform: {copies} copies; make a smaller array, or arrays of arrays in files")));
+        return Err(Stop::Fatal(Error::new(format!("xform: {copies} copies; make a smaller array, or arrays of arrays in files"))));
     }
     Ok(())
 }

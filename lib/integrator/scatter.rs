@@ -5,6 +5,7 @@ use super::{EXACT_ROULETTE, Integrator, Kind, MANY, PATIENCE, ROULETTE, Scattere
 use crate::bsdf::{Arriving, Bsdf, Delta, Part, lobe};
 use crate::color::Rgb;
 use crate::geometry::Ray;
+use crate::rules::UNWEIGHTED;
 use crate::vector::Vec3;
 use crate::world::{Emitter, Layer};
 
@@ -133,7 +134,7 @@ impl<B: Clone> Integrator<'_, B> {
         }
         let s = self.rules.specular_sampling?;
         match part {
-            Part::SpecularReflection if s <= 1.5 => Some(s.min(1.0)),
+            Part::SpecularReflection if s <= UNWEIGHTED => Some(s.min(1.0)),
             Part::SpecularTransmission if s < 1.0 => Some(s),
             _ => None,
         }

@@ -33,8 +33,9 @@ impl<'a> Answer<'a> {
             let ends = [("lower", p.low), ("upper", p.high)];
             if let Some((side, bound)) = ends.into_iter().find(|(_, end)| (*value - end).abs() < AT_BOUND * range) {
                 *value = bound;
-                // No number of a material is less than nothing.
-                if bound != 0.0 {
+                // No number of a material is less than nothing, and nothing lets more light through than there is.
+                let clear = bound == 1.0 && ["dielectric", "glass"].contains(&unknown.material().kind.as_str());
+                if bound != 0.0 && !clear {
                     let beyond = "if it may lie beyond, give --param";
                     doubts.push(format!("{} is at its {side} bound {}; {beyond} {0}=START:LOW:HIGH", p.name, Number(bound)));
                 }

@@ -135,7 +135,7 @@ impl Look<'_> {
         let own = candidates[best].own_part();
         found.own = Symmetric::of(values.len(), |p, q| own * (within(p, q) + between(p, q)));
         found.covariance = Symmetric::of(values.len(), |p, q| within(p, q) + between(p, q));
-        found.values = values;
+        found.values = values.iter().zip(self.bounds).map(|(value, (low, high))| value.clamp(*low, *high)).collect();
         found
     }
 }

@@ -8,12 +8,15 @@ use super::model::{cubic, exposed};
 use super::scores::anywhere;
 use super::sheet::Sheet;
 use super::{Effort, Evidence, Recovery, Seeds};
+use crate::anneal::linear::Symmetric;
 use crate::color::Rgb;
 use crate::error::Result;
+use crate::geometry::Ray;
 use crate::material::{GLASS_INDEX, hartmann};
 use crate::scene::MaterialId;
 use crate::transport::{self, Basis, Clear, Pixels};
 use crate::unknown::Unknown;
+use rayon::prelude::*;
 use std::time::Instant;
 
 /// The smallest index that is looked at: less bends light no further.
@@ -38,21 +41,23 @@ pub struct Stage<'a> {
     pub unknown: &'a Unknown,
     indices: Vec<f64>,
     parts: Vec<transport::Unknown>,
-    /// Roots of the transmissivities of the columns.
+    /// Roots of what the columns let through.
     roots: Vec<f64>,
+    length: f64,
     /// What the transmissivities are, as far as is known: the weights of the columns of each channel.
     guess: Option<[Vec<f64>; 3]>,
 }
 
 impl<'a> Stage<'a> {
     /// A stage of these indices, without what Hartmann's constant adds to them.
-    pub fn new(evidence: &'a Evidence<'a>, unknown: &'a Unknown, material: MaterialId, indices: Vec<f64>) -> Self {
+    pub fn new(evidence: &'a Evidence<'a>, sought: &'a Through, material: MaterialId, indices: Vec<f64>) -> Self {
+        let Through { unknown, length, .. } = sought;
         let glass = unknown.material().kind == "glass";
         let constant = unknown.reals(&unknown.start()).get(4).copied().unwrap_or(0.0);
-        let clear: Vec<Clear> = indices.iter().map(|&index| Clear::new(material, glass, hartmann(index, constant))).collect();
+        let clear: Vec<Clear> = indices.iter().map(|&index| Clear::new(material, glass, hartmann(index, constant), *length)).collect();
         let roots = clear[0].nodes.iter().map(|t| t.sqrt()).collect();
         let parts = clear.into_iter().map(|c| transport::Unknown::Clear(Box::new(c))).collect();
-        Self { evidence, unknown, indices, parts, roots, guess: None }
+        Self { evidence, unknown, indices, parts, roots, length: *length, guess: None }
     }
 
     /// The weights of the columns of each channel in the basis of one index.
@@ -70,7 +75,7 @@ impl Model for Stage<'_> {
     fn tune(&mut self, values: &[f64], _: Option<&[f64]>) {
         self.guess = Some(self.columns(values));
         let a = self.unknown.reals(values);
-        let extinction = Rgb::from(std::array::from_fn(|c| -a[c].clamp(DARKEST, 1.0).ln()));
+        let extinction = Rgb::from(std::array::from_fn(|c| -a[c].clamp(DARKEST, 1.0).ln() / self.length));
         for part in &mut self.parts {
             let transport::Unknown::Clear(clear) = part else { unreachable!() };
             clear.guess = extinction;
@@ -119,9 +124,9 @@ impl Model for Stage<'_> {
 }
 
 /// A model near the starting values.
-pub fn near_start<'a>(evidence: &'a Evidence<'a>, unknown: &'a Unknown, material: MaterialId) -> impl Model + 'a {
-    let index = start(unknown);
-    Stage::new(evidence, unknown, material, if slot(unknown).is_some() { close(index) } else { vec![index] })
+pub fn near_start<'a>(evidence: &'a Evidence<'a>, sought: &'a Through, material: MaterialId) -> impl Model + 'a {
+    let index = start(&sought.unknown);
+    Stage::new(evidence, sought, material, if slot(&sought.unknown).is_some() { close(index) } else { vec![index] })
 }
 
 /// The place of the index among the parameters, if it is one.
@@ -139,6 +144,71 @@ fn close(index: f64) -> Vec<f64> {
     [-SPREAD, SPREAD].map(|aside| index + aside).to_vec()
 }
 
+/// An unknown by what paths through it let through: in another unit of length its picture would be the same, and so would this. What a unit of
+/// length lets through is a needle at 1 where that is short beside the object, and one at 0 where it is long.
+pub struct Through {
+    /// The unknown with such colours.
+    pub unknown: Unknown,
+    /// About how far paths go inside: the mean way straight through. 1 for glass, which has no inside, and where nothing is behind it.
+    length: f64,
+    /// The places of the colours among the parameters.
+    colors: Vec<usize>,
+}
+
+impl Through {
+    /// What to look for instead of an unknown.
+    pub fn new(evidence: &Evidence, unknown: &Unknown, material: MaterialId) -> Self {
+        let (film, lens) = (evidence.film, evidence.film.lens());
+        let way = |n: usize| {
+            let (origin, direction, _) = lens(n, [0.5; 2])?;
+            let inside = evidence.world.behind(&Ray { origin, direction }, material)?;
+            evidence.world.nearest(&inside, f64::INFINITY).map(|hit| hit.t)
+        };
+        let glass = unknown.material().kind == "glass";
+        let ways: Vec<f64> = (0..if glass { 0 } else { film.width * film.height }).into_par_iter().filter_map(way).collect();
+        let length = if ways.is_empty() { 1.0 } else { ways.iter().sum::<f64>() / ways.len() as f64 };
+        let colors = unknown.slots()[..3].iter().copied().flatten().collect();
+        Self { unknown: unknown.through(length), length, colors }
+    }
+
+    /// The values for those of the unknown itself.
+    fn values(&self, values: &[f64]) -> Vec<f64> {
+        let value = |(i, v): (usize, &f64)| if self.colors.contains(&i) { v.max(0.0).powf(self.length) } else { *v };
+        values.iter().enumerate().map(value).collect()
+    }
+
+    /// What a value here is one of in the unknown itself.
+    fn own(&self, i: usize, value: f64) -> f64 {
+        if self.colors.contains(&i) { value.clamp(0.0, 1.0).powf(1.0 / self.length) } else { value }
+    }
+
+    /// By how much a value of the unknown itself changes with one here.
+    fn rate(&self, i: usize, value: f64) -> f64 {
+        let inverse = 1.0 / self.length;
+        if self.colors.contains(&i) { inverse * value.clamp(DARKEST, 1.0).powf(inverse - 1.0) } else { 1.0 }
+    }
+
+    /// The same over as much as the values may be off.
+    pub fn rates(&self, values: &[f64], covariance: &Symmetric) -> Vec<f64> {
+        let rate = |(i, (value, error)): (usize, (&f64, f64))| {
+            let (low, high) = (value - error, value + error);
+            let [low, high] = if self.colors.contains(&i) { [low.max(0.0), high.min(1.0)] } else { [low, high] };
+            if high > low && error.is_finite() { (self.own(i, high) - self.own(i, low)) / (high - low) } else { 1.0 }
+        };
+        values.iter().zip(covariance.deviations()).enumerate().map(rate).collect()
+    }
+
+    /// What was found of the unknown itself.
+    fn found(&self, mut found: Recovery) -> Recovery {
+        let rates = self.rates(&found.values, &found.covariance);
+        for matrix in [&mut found.covariance, &mut found.own, &mut found.common] {
+            *matrix = matrix.scaled(&rates);
+        }
+        found.values = found.values.iter().enumerate().map(|(i, value)| self.own(i, *value)).collect();
+        found
+    }
+}
+
 /// Recovers the numbers.
 pub fn recover(
     evidence: &Evidence,
@@ -148,6 +218,24 @@ pub fn recover(
     effort: Effort,
     tell: &dyn Fn(&str),
 ) -> Result<Recovery> {
+    let sought = Through::new(evidence, unknown, material);
+    let told = |found: &Recovery| (effort.told)(&sought.found(found.clone()));
+    let around = effort.around.map(|values| sought.values(values));
+    let rate = |i: usize, value: f64| sought.rate(i, value);
+    let effort = Effort { around: around.as_deref(), rate: &rate, told: &told, ..effort };
+    let found = looked(evidence, &sought, material, pixels, effort, tell)?;
+    Ok(sought.found(found))
+}
+
+fn looked(
+    evidence: &Evidence,
+    sought: &Through,
+    material: MaterialId,
+    pixels: &[usize],
+    effort: Effort,
+    tell: &dyn Fn(&str),
+) -> Result<Recovery> {
+    let unknown = &sought.unknown;
     let parameters = unknown.parameters();
     let sheet = Sheet::new(evidence, pixels);
     let mut seeds = Seeds::new(effort.seed);
@@ -157,7 +245,7 @@ pub fn recover(
     let bounds: Vec<(f64, f64)> =
         parameters.iter().enumerate().map(|(i, p)| if Some(i) == slot { (low, high) } else { (p.low, p.high) }).collect();
 
-    let search = Search { evidence, unknown, material, range: (low, high), effort: &effort };
+    let search = Search { evidence, sought, material, range: (low, high), effort: &effort };
     let mut best = match effort.around {
         Some(values) => values.to_vec(),
         None => search.best(&sheet, &mut seeds, tell)?,
@@ -173,7 +261,7 @@ pub fn recover(
             Some(i) => close(best[i]),
             None => vec![fixed],
         };
-        let mut stage = Stage::new(evidence, unknown, material, indices);
+        let mut stage = Stage::new(evidence, sought, material, indices);
         let another = || look < MOST_LOOKS && effort.affords_another(begin, look);
         let closer = Look { evidence, pixels, parameters, bounds: &bounds, effort: &effort, another: &another };
         let found = closer.at(&mut stage, &best, &mut seeds);

@@ -52,6 +52,8 @@ const UNDETERMINED: f64 = 0.3;
 const TOGETHER: f64 = 0.9;
 /// Off by so much of its light, a picture is not explained at all.
 const ASTRAY: f64 = 0.1;
+/// A picture that a filter of a smaller radius would make, in pixels, is as if each pixel were looked at in its middle.
+const CENTRED: f64 = 0.05;
 /// Beyond this part of what bounds alone would say, they alone say it.
 const ANYWHERE: f64 = 0.9;
 
@@ -131,7 +133,9 @@ pub fn judge(unknown: &Unknown, values: &[f64], known: &Known) -> Judgement {
     if let Some(blur) = known.blur.filter(Blur::is_sure) {
         let (how, passes) = if blur.more > 0.0 { ("more", "rougher") } else { ("less", "smoother") };
         let radius = blur.radius().0;
-        let cause = if radius <= WIDEST {
+        let cause = if radius < CENTRED {
+            "as samples of the pixels' centres are (-pj 0); --filter auto reckons with it".into()
+        } else if radius <= WIDEST {
             format!("a filter of radius {radius:.2} makes such pixels (pfilt -r); --filter auto reckons with it")
         } else {
             "no filter blurs so much; the view, the shape or the light may not be those of the photograph".into()

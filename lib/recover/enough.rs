@@ -60,20 +60,24 @@ impl Standing {
 }
 
 impl Effort<'_> {
-    /// The standard error that satisfies for a parameter.
-    pub fn near(&self, parameter: &Parameter, value: f64) -> f64 {
-        self.tolerance.unwrap_or_else(|| match parameter.name.as_str() {
-            name if ROUGHNESSES.contains(&name) => (NEAR_ROUGHNESS * value.abs()).max(NEAREST_ROUGHNESS),
-            "ior" => NEAR_INDEX,
-            _ => NEAR,
-        })
+    /// The standard error that satisfies for the parameter at place `i`.
+    pub fn near(&self, i: usize, parameter: &Parameter, value: f64) -> f64 {
+        let rate = (self.rate)(i, value).max(f64::MIN_POSITIVE);
+        self.tolerance.map_or_else(
+            || match parameter.name.as_str() {
+                name if ROUGHNESSES.contains(&name) => (NEAR_ROUGHNESS * value.abs()).max(NEAREST_ROUGHNESS),
+                "ior" => NEAR_INDEX,
+                _ => NEAR / rate.max(1.0),
+            },
+            |tolerance| tolerance / rate,
+        )
     }
 
     /// What would make a recovery as good as is wished for, or as the picture allows; `None` if it is. Seen are `seen` of `all` pixels, by `each`
     /// samples in each half.
     pub fn more(&self, parameters: &[Parameter], found: &Recovery, [seen, all]: [f64; 2], each: f64) -> Option<More> {
         let standing = |(i, parameter): (usize, &Parameter)| {
-            let (variance, near) = (found.covariance.at(i, i), self.near(parameter, found.values[i]));
+            let (variance, near) = (found.covariance.at(i, i), self.near(i, parameter, found.values[i]));
             // Where nothing is known, neither of the two is finite.
             let own = (found.own.at(i, i) / variance).min(1.0);
             Standing { variance: variance / near.powi(2), own, clarity: found.clarity[i] }
@@ -110,7 +114,7 @@ mod tests {
             losses: vec![],
             clarity: vec![clarity],
         };
-        let effort = Effort { seed: 0, until: None, tolerance, around: None, quick: false, told: &|_| {} };
+        let effort = Effort { seed: 0, until: None, tolerance, around: None, quick: false, rate: &|_, _| 1.0, told: &|_| {} };
         effort.more(&[parameter], &found, [seen, 1000.0], 40.0)
     }
 

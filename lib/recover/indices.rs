@@ -4,7 +4,7 @@
 //! a needle that no descent finds. Their logarithms fall toward it from afar. The colours, which pixels that are dark by chance would spoil,
 //! come from the means of blocks of pixels.
 
-use super::clear::{Stage, slot};
+use super::clear::{Stage, Through, slot};
 use super::fit::Point;
 use super::look::Model;
 use super::sheet::Sheet;
@@ -13,7 +13,6 @@ use crate::anneal::{Annealer, Options};
 use crate::error::Result;
 use crate::scene::MaterialId;
 use crate::transport::Basis;
-use crate::unknown::Unknown;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
@@ -40,7 +39,7 @@ pub struct Search<'a> {
     /// The picture.
     pub evidence: &'a Evidence<'a>,
     /// The unknown.
-    pub unknown: &'a Unknown,
+    pub sought: &'a Through,
     /// Its place among the materials.
     pub material: MaterialId,
     /// Where the index can be: one place if it is known.
@@ -52,9 +51,9 @@ pub struct Search<'a> {
 impl Search<'_> {
     /// The values that come nearest: at indices all over the range first, then at nearer and nearer ones around the best.
     pub fn best(&self, sheet: &Sheet, seeds: &mut Seeds, tell: &dyn Fn(&str)) -> Result<Vec<f64>> {
-        let (slot, (low, high)) = (slot(self.unknown), self.range);
+        let (slot, (low, high)) = (slot(&self.sought.unknown), self.range);
         let places = quarter(sheet);
-        let mut best = self.unknown.start();
+        let mut best = self.sought.unknown.start();
         let (mut from, mut to, mut step) = (low, high, FIRST);
         let mut searches = SAMPLES.into_iter().peekable();
         let mut shifts = 0;
@@ -91,10 +90,10 @@ impl Search<'_> {
     fn at(&self, index: f64, values: &[f64], sheet: &Sheet, places: &[usize], samples: u32, seed: u64) -> Result<Point> {
         let numbers: Vec<usize> = places.iter().map(|&i| sheet.numbers[i]).collect();
         let samples = (samples * ENOUGH).div_ceil(numbers.len() as u32).max(samples);
-        let stage = Stage::new(self.evidence, self.unknown, self.material, vec![index]);
+        let stage = Stage::new(self.evidence, self.sought, self.material, vec![index]);
         let basis = stage.trace(&numbers, &vec![samples; 2 * numbers.len()], seed);
         let mut values = values.to_vec();
-        slot(self.unknown).into_iter().for_each(|i| values[i] = index);
+        slot(&self.sought.unknown).into_iter().for_each(|i| values[i] = index);
         let means = |width| Means::new(&stage, sheet, places, &basis, width);
         let values = means(BLOCK).fit(values, self.effort.seed)?;
         Ok(Point { chi2: means(1).misfit(&values), values })

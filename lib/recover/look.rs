@@ -217,7 +217,8 @@ impl Look<'_> {
             }
         }
         let values = now.place.values.clone();
-        let wished: Vec<f64> = self.parameters.iter().zip(&values).map(|(p, value)| self.effort.near(p, *value)).collect();
+        let wished: Vec<f64> =
+            self.parameters.iter().zip(&values).enumerate().map(|(i, (p, value))| self.effort.near(i, p, *value)).collect();
         let (influence, clarity) = (influence(&now, &variances, &wished), now.clarity());
         let losses = now.losses(&sheet.relative);
         // What moved as far as the model can be trusted would have moved on.

@@ -33,7 +33,7 @@ pub fn recover(sought: &Sought, effort: Effort, tell: &dyn Fn(&str)) -> Result<R
     let whole = |found: Recovery| if let Some(slot) = slot { with_roughness(found, slot) } else { found };
     let told = |found: &Recovery| (effort.told)(&whole(found.clone()));
     let other = whole(rough::polished(&Sought { unknown: &mirror, ..*sought }, Effort { told: &told, ..effort }, &near));
-    if slot.is_none() || other.excess(&found) < FARTHER {
+    if other.excess(&found) < FARTHER {
         return Ok(other);
     }
     let effort = Effort { around: Some(&found.values), ..effort };

@@ -55,7 +55,12 @@ pub fn predict(evidence: &Evidence, unknown: &Unknown, material: MaterialId, see
     let pixels = evidence.pixels(unknown, material)?;
     match Kind::named(&unknown.material().kind) {
         Some(kind) => by(&mut rough::near_start(evidence, unknown, material, kind), evidence, unknown, &pixels, seed),
-        None => by(&mut clear::near_start(evidence, unknown, material), evidence, unknown, &pixels, seed),
+        None => {
+            let sought = clear::Through::new(evidence, unknown, material);
+            let found = by(&mut clear::near_start(evidence, &sought, material), evidence, &sought.unknown, &pixels, seed)?;
+            let rates = sought.rates(&sought.unknown.start(), &found.covariance);
+            Ok(Prediction { covariance: found.covariance.scaled(&rates), common: found.common.scaled(&rates), ..found })
+        }
     }
 }
 

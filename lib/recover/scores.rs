@@ -236,7 +236,7 @@ impl<'a> Scores<'a> {
 
     /// χ² of equation 11, without what the noise of the rendering adds to it.
     pub fn chi2(&self) -> f64 {
-        (0..self.pixels()).map(|p| (0..3).map(|c| self.cross(&self.place, p, c)).sum::<f64>()).sum()
+        (0..self.pixels()).map(|p| self.sheet.weight(p) * (0..3).map(|c| self.cross(&self.place, p, c)).sum::<f64>()).sum()
     }
 
     /// How far each pixel is off, with fixed weights, without what the noise of the rendering adds to it.

@@ -85,6 +85,10 @@ pub(super) fn noise(pixels: &[Pixel]) -> Noise {
     });
     let sums: Vec<[f64; 5]> = sums.collect();
     let [variance, spread, squared, light, shown] = std::array::from_fn(|i| sums.iter().map(|sums| sums[i]).sum::<f64>());
+    // Pixels that there was no time for may show anything.
+    if shown == 0.0 && pixels.iter().any(|pixel| pixel.samples() == 0) {
+        return Noise { error: f64::INFINITY, doubt: 0.0, factor: 1.0 };
+    }
     if variance == 0.0 {
         return Noise { error: 0.0, doubt: 0.0, factor: 1.0 };
     }

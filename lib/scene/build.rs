@@ -396,8 +396,8 @@ impl<'a> Builder<'a> {
             }
         }
         let orientation = Texture::orientation(primitive, &mut self.sources)?;
-        let name = primitive.name.clone();
-        self.scene.materials.push(Named { name, material, orientation, alternate, removes });
+        let (name, place) = (primitive.name.clone(), primitive.span.clone());
+        self.scene.materials.push(Named { name, place, material, orientation, alternate, removes });
         self.materials.insert(Rc::as_ptr(primitive), self.scene.materials.len() - 1);
         Ok(self.scene.materials.len() - 1)
     }

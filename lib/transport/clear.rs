@@ -26,8 +26,10 @@ pub struct Clear {
     pub glass: bool,
     /// Index of refraction.
     pub index: f64,
-    /// The transmissivities, rising from 0 to 1.
+    /// What `length` of it lets through (of glass, the whole pane), rising from 0 to 1.
     pub nodes: [f64; L * LANES],
+    /// About how far paths go inside: what they let through is told there, whatever the scene's unit of length. 1 for glass.
+    pub length: f64,
     /// What roulette takes the extinction for; until something is known, nothing is absorbed.
     pub guess: Rgb,
     logarithms: Nodes<L>,
@@ -35,11 +37,12 @@ pub struct Clear {
 
 impl Clear {
     /// A dielectric or glass of this index.
-    pub fn new(material: MaterialId, glass: bool, index: f64) -> Self {
+    pub fn new(material: MaterialId, glass: bool, index: f64, length: f64) -> Self {
         // Dense near 0, where T^ℓ is steep for short paths.
         let nodes = std::array::from_fn(|i| (i as f64 / (L * LANES - 1) as f64).powi(2));
-        let logarithms = std::array::from_fn(|l| f32x8::from(std::array::from_fn(|i| nodes[l * LANES + i].max(1e-40).ln() as f32)));
-        Self { material, glass, index, nodes, guess: Rgb::ZERO, logarithms }
+        let logarithm = |i: usize| (nodes[i].max(1e-40).ln() / length) as f32;
+        let logarithms = std::array::from_fn(|l| f32x8::from(std::array::from_fn(|i| logarithm(l * LANES + i))));
+        Self { material, glass, index, nodes, length, guess: Rgb::ZERO, logarithms }
     }
 
     /// The columns of a channel.
@@ -101,7 +104,7 @@ impl Transport for Dimming<'_> {
         let mut bsdf = Bsdf::new(&material, &layer.point, layer.pattern, rules);
         // What is refracted into a body goes on in the unknown.
         if let (false, true, Some(delta)) = (self.unknown.glass, layer.point.front, &mut bsdf.deltas[1]) {
-            delta.medium = Some(Inside { extinction: Rgb::ZERO, unknown: true });
+            delta.medium = Some(Inside { extinction: Rgb::ZERO, unknown: Some(medium.extinction(layer.pattern)) });
         }
         Surface { bsdf, unknown: true, pattern: layer.pattern }
     }
@@ -132,17 +135,18 @@ impl Transport for Dimming<'_> {
     }
 
     fn absorb(&self, beta: &mut Beta, medium: &Inside, length: f64) {
-        if medium.unknown {
-            for (node, ln) in beta.nodes.iter_mut().zip(self.unknown.logarithms) {
-                *node *= (ln * length.min(FAR) as f32).exp();
-            }
-        } else {
+        let Some(patterns) = medium.unknown else {
             beta.known *= medium.transmittance(length);
+            return;
+        };
+        beta.known *= Inside::of(patterns).transmittance(length);
+        for (node, ln) in beta.nodes.iter_mut().zip(self.unknown.logarithms) {
+            *node *= (ln * length.min(FAR) as f32).exp();
         }
     }
 
     fn extinction(&self, medium: &Inside) -> Rgb {
-        if medium.unknown { self.unknown.guess } else { medium.extinction }
+        medium.unknown.map_or(medium.extinction, |patterns| self.unknown.guess + patterns)
     }
 
     fn collect(&mut self, beta: &Beta, radiance: Rgb) {

@@ -350,7 +350,9 @@ impl<'a, const L: usize> Transport for Tagging<'a, L> {
                         continue;
                     }
                     let (values, density) = self.shape(shape, part, wi, arriving);
-                    let scale = (1.0 / (pdf + count * density)) as f32;
+                    // What does not pass is not drawn.
+                    let drawn = if shape.passes(wi) { count * density } else { 0.0 };
+                    let scale = (1.0 / (pdf + drawn)) as f32;
                     // A path is a single term until it is aimed at a light.
                     *slot = self.met(beta, surface, part, |l| values[l] * scale);
                 }

@@ -32,8 +32,9 @@ fn world(material: &str, rules: &Rules) -> (World, MaterialId) {
     let text = format!("void {material}\n{SCENE}");
     let document = Document::parse(Source::new("scene.rad", text)).unwrap();
     let files = Files::default();
-    let scene = Scene::new(&expand(vec![document], &files).unwrap(), &files, false).unwrap();
-    let id = scene.material("thing").unwrap();
+    let flat = expand(vec![document], &files).unwrap();
+    let scene = Scene::new(&flat, &files, false).unwrap();
+    let id = scene.material(&flat.primitives[0]).unwrap();
     let mut world = World::new(scene, rules).unwrap();
     world.unknown = Some(id);
     (world, id)
@@ -189,7 +190,7 @@ impl<T: Densities> Transport for Plain<'_, T> {
     fn absorb(&self, beta: &mut Self::Beta, medium: &Inside, length: f64) {
         self.guide.absorb(&mut beta.0, medium, length);
         // The guide's medium knows no numbers.
-        if medium.unknown {
+        if medium.unknown.is_some() {
             beta.1 *= Inside::of(-Rgb::from(DIM.to_array().map(f64::ln))).transmittance(length);
         } else {
             beta.1 *= medium.transmittance(length);
@@ -294,7 +295,7 @@ fn a_basis_of_dielectric_is_the_picture() {
     for index in [1.5, 1.3, 1.0, 0.8, 2.0] {
         let (world, material) = world(&format!("dielectric thing 0 0 5 .64 .16 .04 {index} 0"), &rules);
         let clear = || {
-            let mut clear = Clear::new(material, false, index);
+            let mut clear = Clear::new(material, false, index, 1.0);
             clear.guess = Rgb::new(0.1, 0.4, 0.9);
             clear
         };

@@ -4,6 +4,7 @@ use super::{Clip, Found, Source, World};
 use crate::accel::Hit;
 use crate::bsdf::{Bsdf, Point};
 use crate::color::Rgb;
+use crate::error::{Source as Text, Span};
 use crate::geometry::{FAR, Ray};
 use crate::material::{Inside, Material, Reflectance};
 use crate::pattern::At;
@@ -340,7 +341,8 @@ impl Place<'_> {
             }
             // A ray that meets the surface from inside has come through the body.
             Material::Dielectric(inside) | Material::Interface(inside, _) if !front => {
-                layer.behind = Some(Inside { extinction: inside.extinction(pattern), unknown: world.unknown == id });
+                let unknown = (world.unknown == id).then(|| inside.cleared().extinction(pattern));
+                layer.behind = Some(Inside { extinction: inside.extinction(pattern), unknown });
             }
             Material::Interface(_, outside) => layer.behind = Some(Inside::of(outside.extinction(pattern))),
             Material::Antimatter => {
@@ -395,6 +397,7 @@ impl Place<'_> {
 /// What `-i` puts in the place of a surface: Lambertian, of reflectance π, so that its radiance is the irradiance.
 static COLLECTOR: LazyLock<Named> = LazyLock::new(|| Named {
     name: String::new(),
+    place: Span::new(&Text::new("-i", ""), 0, 0),
     material: Material::Reflectance(Reflectance::diffuse(Rgb::splat(PI))),
     orientation: None,
     alternate: None,

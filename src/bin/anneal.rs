@@ -47,7 +47,7 @@ fn run(arguments: Arguments, console: &Console) -> Outcome<Answer> {
             if search.annealer().propose().is_none() {
                 return Err(Error::new(format!("{}: the search is over and asked for nothing", state.display())).into());
             }
-            search.annealer().tell(chi2);
+            search.tell(chi2)?;
             search.save(&state).map(|()| Answer::Yes)
         }
         Job::Best(state) => found(&Search::kept(&state)?, None, &arguments, console).map(|()| Answer::Yes),
@@ -82,7 +82,8 @@ fn look(start: &str, target: &str, arguments: &Arguments, console: &Console) -> 
     let options = arguments.options()?;
     arguments.idle().iter().for_each(|option| console.note(&format!("{option} is for --exec and --direct; it does nothing here")));
     let until = arguments.time().map(|time| Instant::now() + time);
-    let effort = Effort { seed: options.seed, until, tolerance: options.tolerance, around: None, quick: false, told: &|_| {} };
+    let effort =
+        Effort { seed: options.seed, until, tolerance: options.tolerance, around: None, quick: false, rate: &|_, _| 1.0, told: &|_| {} };
     let Taken { mut photo, mut title, mut doubts, asked, found } = take(start, target, effort, arguments, console)?;
     let unknown = &photo.unknown().clone();
     let (found, rounds) = found.unzip();

@@ -40,7 +40,7 @@ fn run(args: Args, console: &Console) -> Outcome<Answer> {
     let mut documents = sources.into_iter().map(Document::parse).collect::<Result<Vec<_>, Error>>()?;
     let text = if args.mode.keep {
         args.set.iter().try_for_each(|setting| rad::set(&mut documents, setting))?;
-        documents.iter().map(Document::bytes).collect::<Vec<_>>().concat()
+        whole(&documents)
     } else {
         if deny {
             refuse_commands(&documents)?;
@@ -51,6 +51,18 @@ fn run(args: Args, console: &Console) -> Outcome<Answer> {
     };
     Output::whole(args.common.output.as_deref(), &text)?;
     Ok(Answer::Yes)
+}
+
+/// Documents one after the other, each from the begin of a line.
+fn whole(documents: &[Document]) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    for document in documents {
+        if bytes.last().is_some_and(|last| *last != b'\n') {
+            bytes.push(b'\n');
+        }
+        bytes.extend(document.bytes());
+    }
+    bytes
 }
 
 /// The description in the form that is asked for.

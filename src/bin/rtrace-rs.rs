@@ -1,6 +1,6 @@
 //! rtrace-rs: renders RADIANCE scenes, with environment maps as light.
 
-use inverad::args::rtrace::{Arguments, FEATURES, defaults, explain};
+use inverad::args::rtrace::{Arguments, FEATURES, defaults, explain, has};
 use inverad::cal;
 use inverad::cli::rays::{Stream, answer};
 use inverad::cli::{self, Answer, Console, Disk, Outcome, Output, film, interrupted};
@@ -24,7 +24,8 @@ fn run(args: Arguments, console: &Console) -> Outcome<Answer> {
     let start = Instant::now();
     if args.defaults || args.features {
         let text = if args.features { FEATURES.into() } else { defaults(&args)? };
-        return Output::whole(None, text.as_bytes()).map(|()| Answer::Yes);
+        let answer = if args.features && !has(&args.scenes) { Answer::No } else { Answer::Yes };
+        return Output::whole(None, text.as_bytes()).map(|()| answer);
     }
     args.possible()?;
     args.files().try_for_each(Output::possible)?;

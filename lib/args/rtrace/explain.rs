@@ -269,6 +269,11 @@ pub fn defaults(arguments: &Arguments) -> Result<String> {
     Ok(out)
 }
 
+/// Whether these are all among [`FEATURES`].
+pub fn has(names: &[String]) -> bool {
+    names.iter().all(|name| FEATURES.lines().any(|line| line.split('=').next() == Some(name)))
+}
+
 /// RADIANCE's names of the features there are, a line each, as `rtrace -features` lists them.
 pub const FEATURES: &str = "\
 VirtualSources
