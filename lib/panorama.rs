@@ -36,12 +36,12 @@ pub struct Panorama {
 }
 
 impl Panorama {
-    /// The tables of the radiance `radiance` of a direction of travel, taken at `height` × 2·`height` places. What is far brighter than the mean
-    /// is cut: at a horizon the irradiance by a lamp would be coarse, and directions that are aimed there find it anyway.
+    /// The tables of the radiance `radiance` of a direction of travel, taken at `height` × 2·`height` places. A sun is dimmed: at the
+    /// horizon its irradiance would be coarse, and directions that are aimed there find it anyway.
     pub fn new(height: usize, radiance: impl Fn(Vec3) -> Rgb + Sync) -> Self {
         let finite = |v: f64| if v.is_finite() { v.max(0.0) } else { 0.0 };
         let mut radiance = Table::new(height, 0.5, |direction| Rgb::from(radiance(direction).to_array().map(finite)));
-        radiance.cut(BRIGHTEST);
+        radiance.dim(MOST);
         let moments = moments(&radiance);
         let irradiance = Table::new(NORMALS, 0.0, |normal| irradiance(&moments, normal));
         Self { radiance, irradiance }
@@ -58,8 +58,8 @@ impl Panorama {
     }
 }
 
-/// In terms of the mean, the brightest that is not cut.
-const BRIGHTEST: f64 = 10.0;
+/// The most of all light that may come from one block.
+const MOST: f64 = 0.02;
 
 /// Rows of the table of irradiance, and of the blocks that it is made from. Errors are about a thousandth.
 const NORMALS: usize = 64;
@@ -81,8 +81,7 @@ fn moments(radiance: &Table) -> Vec<[Moments; 3]> {
         for (x, light) in row.iter().enumerate() {
             let (s, c) = (half * (2 * x + 1) as f64).sin_cos();
             let directions = Vec3::new(c * across, s * across, along * half / half.sin()) * (2.0 * half.sin());
-            let block = y * BLOCKS / height * 2 * BLOCKS + x * 2 * BLOCKS / radiance.width;
-            sums[block].iter_mut().zip(light).for_each(|(sum, light)| *sum += directions * *light as f64);
+            sums[radiance.block(y * radiance.width + x)].iter_mut().zip(light).for_each(|(sum, light)| *sum += directions * *light as f64);
         }
     }
     let five = |block: usize, channel: usize| {
@@ -145,16 +144,26 @@ impl Table {
         self.nodes.len() / self.width
     }
 
-    /// Cuts what is more than so many times the mean over all directions, channel by channel.
-    fn cut(&mut self, most: f64) {
-        let (mut sums, mut whole) = ([0.0; 3], 0.0);
-        for (y, row) in self.nodes.chunks_exact(self.width).enumerate() {
-            let size = (PI * (y as f64 + self.first) / (self.width / 2) as f64).sin();
-            whole += size * row.len() as f64;
-            row.iter().for_each(|node| (0..3).for_each(|c| sums[c] += size * node[c] as f64));
+    /// The block of a cell.
+    fn block(&self, cell: usize) -> usize {
+        let (x, y) = (cell % self.width, cell / self.width);
+        y * BLOCKS / self.height() * 2 * BLOCKS + x * 2 * BLOCKS / self.width
+    }
+
+    /// Dims each block that more than this part of all light comes from to that part.
+    fn dim(&mut self, most: f64) {
+        let mut blocks = vec![0.0; 2 * BLOCKS * BLOCKS];
+        for (cell, node) in self.nodes.iter().enumerate() {
+            let size = (PI * ((cell / self.width) as f64 + self.first) / self.height() as f64).sin();
+            blocks[self.block(cell)] += size * node.iter().map(|v| *v as f64).sum::<f64>();
         }
-        let limit = sums.map(|sum| (most * sum / whole) as f32);
-        self.nodes.iter_mut().for_each(|node| (0..3).for_each(|c| node[c] = node[c].min(limit[c])));
+        let limit = most * blocks.iter().sum::<f64>();
+        for cell in 0..self.nodes.len() {
+            let block = blocks[self.block(cell)];
+            if block > limit {
+                self.nodes[cell] = self.nodes[cell].map(|v| v * (limit / block) as f32);
+            }
+        }
     }
 
     fn at(&self, place: Place) -> Rgb {
