@@ -392,7 +392,7 @@ impl Bsdf {
     pub fn balance(&self, wi: Vec3, arriving: Arriving, pdf: f64, counts: &[f64; 4]) -> [f64; 4] {
         let passes = self.passes(wi);
         std::array::from_fn(|k| match counts[k] {
-            0.0 if arriving == Arriving::Indirect => 0.0,
+            count if arriving == Arriving::Indirect && (count == 0.0 || !passes) => 0.0,
             count if passes => 1.0 / (pdf + count * self.pdf(Part::ALL[k], wi)),
             _ => 1.0 / pdf,
         })
