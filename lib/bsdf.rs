@@ -388,13 +388,14 @@ impl Bsdf {
     }
 
     /// The balance heuristic's weight, over the density, of each part for a direction aimed at a light with density `pdf`, where `counts` samples
-    /// of each part might have found the light too (Veach 1997, equation 9.8). Indirect light is weighed for the parts that have samples only.
+    /// of each part might have found the light too (Veach 1997, equation 9.8): none where the direction does not pass. Indirect light is
+    /// weighed for the parts that have such samples only.
     pub fn balance(&self, wi: Vec3, arriving: Arriving, pdf: f64, counts: &[f64; 4]) -> [f64; 4] {
         let passes = self.passes(wi);
-        std::array::from_fn(|k| match counts[k] {
-            count if arriving == Arriving::Indirect && (count == 0.0 || !passes) => 0.0,
-            count if passes => 1.0 / (pdf + count * self.pdf(Part::ALL[k], wi)),
-            _ => 1.0 / pdf,
+        std::array::from_fn(|k| match if passes { counts[k] } else { 0.0 } {
+            0.0 if arriving == Arriving::Indirect => 0.0,
+            0.0 => 1.0 / pdf,
+            count => 1.0 / (pdf + count * self.pdf(Part::ALL[k], wi)),
         })
     }
 
