@@ -288,14 +288,16 @@ impl<const L: usize> Tagging<'_, L> {
         if !delta.reflected {
             return self.met(beta, surface, Part::SpecularTransmission, |_| f32x8::ONE);
         }
-        // RADIANCE leaves the Fresnel term of a patterned metal white; that is not told apart here.
-        let known = if unknown.metal { term.known * *pattern } else { term.known };
+        // RADIANCE leaves the Fresnel term of a patterned metal white. Here it takes the hue of a pattern, but not its level.
+        let level = if unknown.metal { pattern.max_element() } else { 1.0 };
+        let hue = if unknown.metal && level > 0.0 { *pattern / level } else { Rgb::ONE };
+        let (known, f) = (term.known * hue, polish.fresnel);
         Some(match unknown.monomials.times(term.monomial, Part::SpecularReflection) {
             Some(monomial) => {
-                let (f, left) = (f32x8::splat(polish.fresnel as f32), f32x8::splat((1.0 - polish.fresnel) as f32));
+                let (f, left) = (f32x8::splat(f as f32), f32x8::splat((level * (1.0 - f)) as f32));
                 Term { monomial, known, lobes: std::array::from_fn(|l| term.lobes[l] * (mirror.get(l).map_or(f, |r| *r * left + f))) }
             }
-            None => Term { known: known * delta.coefficient, ..term },
+            None => Term { known: known * (f + (delta.coefficient - f) * level), ..term },
         })
     }
 

@@ -15,13 +15,14 @@ pub fn run(program: &str, directory: &Path, arguments: &str) -> Output {
 pub fn photographed(material: &str, scene: &str, view: &str) -> TempDir {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path();
-    let kind = material.split(' ').next().unwrap();
-    let start = match kind {
+    // Patterns may come before it.
+    let (head, _) = material.split_once(" it ").unwrap();
+    let start = match head.rsplit(' ').next().unwrap() {
         "dielectric" => "0 0 5 .5 .5 .5 1.5 0",
         "glass" => "0 0 3 .5 .5 .5",
         _ => "0 0 5 .5 .5 .5 .1 .1",
     };
-    fs::write(path.join("start.rad"), format!("void {kind} it {start}\n")).unwrap();
+    fs::write(path.join("start.rad"), format!("void {head} it {start}\n")).unwrap();
     fs::write(path.join("true.rad"), format!("void {material}\n")).unwrap();
     fs::write(path.join("scene.rad"), scene).unwrap();
     let arguments = format!("-vp 0 -5 1 -vd 0 1 -.2 -vh 26 -vv 26 {view} true.rad scene.rad");
