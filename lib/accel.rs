@@ -147,22 +147,11 @@ impl Accel {
         let tolerance = (self.tolerance * self.space.scale) as f32;
         let mut best = Nearest { t: f32::INFINITY, blur: 0.0, slot: u32::MAX, tie: false, tolerance };
         let mut single = None;
-        self.tree.walk::<true>(&probe, probe.limit, |leaf, mut limit| {
+        self.tree.walk::<true>(&probe, probe.limit, |leaf, limit| {
             if leaf & SINGLE != 0 {
                 return self.take_single(&probe, leaf, [t_min, t_max], limit, &mut best, &mut single);
             }
-            for (number, block) in self.tree.blocks_of(leaf) {
-                let mut lanes = probe.test(block, limit);
-                while lanes.mask != 0 {
-                    let lane = (lanes.mask.trailing_zeros() & 7) as usize;
-                    lanes.mask &= lanes.mask - 1;
-                    let (t, blur, slot) = (lanes.t[lane], lanes.blur[lane], number << 3 | lane as u32);
-                    if t <= limit && probe.within(t, blur).unwrap_or_else(|| self.within(&probe, slot, [t, blur], [t_min, t_max])) {
-                        limit = best.take(t, blur, slot);
-                    }
-                }
-            }
-            limit
+            self.take_triangles(&probe, leaf & !LEAF, [t_min, t_max], limit, &mut best)
         });
         if best.slot == u32::MAX {
             return None;
@@ -185,12 +174,11 @@ impl Accel {
             found = if leaf & SINGLE != 0 {
                 self.body(leaf).1.occludes(ray, t_min, t_max)
             } else {
-                self.tree.blocks_of(leaf).any(|(number, block)| {
-                    let lanes = probe.test(block, limit);
-                    (0..8).filter(|lane| lanes.mask >> lane & 1 == 1).any(|lane| {
-                        let (t, blur) = (lanes.t[lane], lanes.blur[lane]);
-                        probe.within(t, blur).unwrap_or_else(|| self.within(&probe, number << 3 | lane as u32, [t, blur], [t_min, t_max]))
-                    })
+                let number = leaf & !LEAF;
+                let lanes = probe.test(&self.tree.blocks[number as usize], limit);
+                (0..8).filter(|lane| lanes.mask >> lane & 1 == 1).any(|lane| {
+                    let (t, blur) = (lanes.t[lane], lanes.blur[lane]);
+                    probe.within(t, blur).unwrap_or_else(|| self.within(&probe, number << 3 | lane as u32, [t, blur], [t_min, t_max]))
                 })
             };
             if found { -1.0 } else { limit }
@@ -207,16 +195,15 @@ impl Accel {
                 body.each(ray, t_min, t_max, surface, &self.ranks[surface as usize], visit);
                 return limit;
             }
-            for (number, block) in self.tree.blocks_of(leaf) {
-                let lanes = probe.test(block, limit);
-                for lane in (0..8).filter(|lane| lanes.mask >> lane & 1 == 1) {
-                    let slot = number << 3 | lane as u32;
-                    let detail = &self.tree.details[self.tree.place(slot)];
-                    let Body::Mesh(placed) = &self.surfaces[detail.surface as usize] else { continue };
-                    let hit = self.tree.meet(&probe, slot, lanes.t[lane], lanes.blur[lane]).hit(&probe, detail, placed.mirrored);
-                    if hit.t > t_min && hit.t < t_max {
-                        visit(hit, placed.rank(&self.ranks[detail.surface as usize], detail.triangle));
-                    }
+            let number = leaf & !LEAF;
+            let lanes = probe.test(&self.tree.blocks[number as usize], limit);
+            for lane in (0..8).filter(|lane| lanes.mask >> lane & 1 == 1) {
+                let slot = number << 3 | lane as u32;
+                let detail = &self.tree.details[self.tree.place(slot)];
+                let Body::Mesh(placed) = &self.surfaces[detail.surface as usize] else { continue };
+                let hit = self.tree.meet(&probe, slot, lanes.t[lane], lanes.blur[lane]).hit(&probe, detail, placed.mirrored);
+                if hit.t > t_min && hit.t < t_max {
+                    visit(hit, placed.rank(&self.ranks[detail.surface as usize], detail.triangle));
                 }
             }
             limit
@@ -257,6 +244,21 @@ impl Accel {
     fn body(&self, leaf: u32) -> (u32, &Body) {
         let surface = self.tree.details[(leaf & (SINGLE - 1)) as usize].surface;
         (surface, &self.surfaces[surface as usize])
+    }
+
+    /// Takes the triangles of a block that are near enough; the new limit. On its own, so that registers are left for the walk.
+    #[inline(never)]
+    fn take_triangles(&self, probe: &Probe, number: u32, range: [f64; 2], mut limit: f32, best: &mut Nearest) -> f32 {
+        let mut lanes = probe.test(&self.tree.blocks[number as usize], limit);
+        while lanes.mask != 0 {
+            let lane = (lanes.mask.trailing_zeros() & 7) as usize;
+            lanes.mask &= lanes.mask - 1;
+            let (t, blur, slot) = (lanes.t[lane], lanes.blur[lane], number << 3 | lane as u32);
+            if t <= limit && probe.within(t, blur).unwrap_or_else(|| self.within(probe, slot, [t, blur], range)) {
+                limit = best.take(t, blur, slot);
+            }
+        }
+        limit
     }
 
     /// Takes the hit of a shape or instance, if it is near enough; the new limit.

@@ -5,7 +5,7 @@
 
 use super::binary::{Binary, half_area};
 use super::exact::Detail;
-use super::tree::{Block, LEAF, Node, PAIR, SINGLE, Tree};
+use super::tree::{Block, LEAF, Node, SINGLE, Tree};
 use crate::vector::Vec3;
 use rayon::prelude::*;
 use std::f64::consts::SQRT_2;
@@ -21,8 +21,6 @@ const OTHER: f32 = 0.9;
 /// and the corners are rounded at magnitudes up to ½, the direction at distances below √3; a few roundings each make a bound and a
 /// triangle's edge (after Ize 2013, "Robust BVH Ray Traversal", whose error grows with the distance instead).
 const MARGIN: f32 = 16.0 * f32::EPSILON;
-/// Blocks in a leaf at most.
-const BLOCKS: u32 = 2;
 /// Subtrees smaller than this are not worth a thread.
 const SEQUENTIAL: usize = 1 << 14;
 
@@ -55,27 +53,20 @@ pub(super) fn collapse(binary: &Binary, primitives: &[(u32, u32)], corners: impl
     let is_triangle = |primitive: u32| corners(primitive).is_some();
     let mut plans = vec![Plan::default(); binary.boxes.len()];
     solve(binary, 0, &mut plans, &is_triangle, 0);
-    let (mut nodes, mut leaves, mut blocks) = (Vec::new(), Vec::new(), 0);
-    // Number a child: a primitive, one or two blocks, or a node that is filled later.
+    let (mut nodes, mut leaves) = (Vec::new(), Vec::new());
+    // Number a child: a primitive, a block, or a node that is filled later.
     let mut number = |i: usize, nodes: &mut Vec<Node>, todo: &mut Vec<(usize, usize)>| {
-        let count = binary.leaves[i];
         if !plans[i].leaf {
-            nodes.push(Node { bounds: [[f32x8::splat(f32::INFINITY), f32x8::splat(f32::NEG_INFINITY)]; 3], child: [LEAF; 8] });
+            let [low, high] = [f32::INFINITY, f32::NEG_INFINITY].map(f32x8::splat);
+            nodes.push(Node { bounds: [low, high, low, high, low, high], child: [LEAF; 8] });
             todo.push((i, nodes.len() - 1));
             return nodes.len() as u32 - 1;
         }
         if !plans[i].triangles {
             return LEAF | SINGLE | binary.before[i];
         }
-        let pair = count > 8;
-        // Fill two blocks evenly.
-        let first = if pair { count.div_ceil(2) } else { count };
-        leaves.push((binary.before[i], first));
-        if pair {
-            leaves.push((binary.before[i] + first, count - first));
-        }
-        blocks += 1 + u32::from(pair);
-        LEAF | if pair { PAIR } else { 0 } | (blocks - 1 - u32::from(pair))
+        leaves.push((binary.before[i], binary.leaves[i]));
+        LEAF | (leaves.len() as u32 - 1)
     };
     let mut todo = Vec::new();
     let root = number(0, &mut nodes, &mut todo);
@@ -83,20 +74,18 @@ pub(super) fn collapse(binary: &Binary, primitives: &[(u32, u32)], corners: impl
     while let Some((i, slot)) = todo.pop() {
         children.clear();
         gather(binary, &plans, i, &mut children);
-        let mut boxes = [[[f32::INFINITY; 8], [f32::NEG_INFINITY; 8]]; 3];
-        for (lane, &child) in children.iter().enumerate() {
-            let b = binary.boxes[child];
-            for (axis, sides) in boxes.iter_mut().enumerate() {
-                sides[0][lane] = b.min[axis] - MARGIN;
-                sides[1][lane] = b.max[axis] + MARGIN;
-            }
-        }
+        nodes[slot].bounds = std::array::from_fn(|row| {
+            let side = |child: &usize| match (&binary.boxes[*child], row / 2) {
+                (b, axis) if row % 2 == 0 => b.min[axis] - MARGIN,
+                (b, axis) => b.max[axis] + MARGIN,
+            };
+            f32x8::new(std::array::from_fn(|lane| children.get(lane).map_or([f32::INFINITY, f32::NEG_INFINITY][row % 2], side)))
+        });
         let begin = todo.len();
         for (lane, &child) in children.iter().enumerate() {
             let child = number(child, &mut nodes, &mut todo);
             nodes[slot].child[lane] = child;
         }
-        nodes[slot].bounds = boxes.map(|sides| sides.map(f32x8::new));
         todo[begin..].reverse();
     }
     let blocks = leaves
@@ -152,7 +141,7 @@ fn solve(binary: &Binary, root: usize, plans: &mut [Plan], is_triangle: &(impl F
             }
         }
         let as_node = shared[7] + area * NODE;
-        let as_leaf = if plan.triangles && count <= 8 * BLOCKS { area * BLOCK * count.div_ceil(8) as f32 } else { f32::INFINITY };
+        let as_leaf = if plan.triangles && count <= 8 { area * BLOCK } else { f32::INFINITY };
         plan.leaf = as_leaf <= as_node;
         plan.cost[0] = as_leaf.min(as_node);
         for i in 2..=7 {

@@ -54,7 +54,7 @@ impl Tree {
         let [a, b, c] = self.corners(slot);
         let (near, direction) = (f64::from(near), probe.ray.direction);
         // Seen from a point of the ray near the triangle no digits are lost, however far the ray has come.
-        let from = probe.exact_origin + direction * near;
+        let from = probe.at(near);
         let (first, sides) = (a - from, [b - a, c - a]);
         let normal = sides[0].cross(sides[1]);
         // More is the plane of a triangle that is seen edge on, far outside of it.
@@ -71,8 +71,9 @@ impl Meeting {
     pub fn hit(&self, probe: &Probe, detail: &Detail, mirrored: bool) -> Hit {
         let [b, c] = self.sides;
         let square = self.normal.length_squared();
-        let unit = if square > 0.0 { 1.0 / square.sqrt() } else { 0.0 };
-        let weights = [self.place.cross(c), b.cross(self.place)].map(|part| part.dot(self.normal) * (unit * unit));
+        let inverse = if square > 0.0 { 1.0 / square } else { 0.0 };
+        let weights = [self.place.cross(c), b.cross(self.place)].map(|part| part.dot(self.normal) * inverse);
+        let unit = inverse.sqrt();
         Hit {
             t: probe.world(self.t),
             point: probe.world_point(self.point),

@@ -1,9 +1,9 @@
 //! A ray made ready for the tree: moved up to it, in its coordinates, with the shear of the watertight triangle test.
 
-use super::tree::{Block, Space, single};
+use super::tree::{Block, Space, four};
 use crate::geometry::Ray;
 use crate::vector::Vec3;
-use wide::f32x8;
+use wide::{f32x4, f32x8, f64x4};
 
 /// How far single precision may put a point from where it is, relative to its distance along the probe plus a quarter of the tree's cube:
 /// the corners and the origin are rounded at magnitudes up to ½, the direction and the test's own arithmetic at the distance.
@@ -24,6 +24,18 @@ pub(super) struct Lanes {
     pub blur: [f32; 8],
 }
 
+/// Where a ray from outside enters the bounds, if it does in its range, a little grown. What is no number counts as no bound.
+#[inline(always)]
+fn enter(space: &Space, origin: f64x4, inverse: f64x4, [t_min, t_max]: [f64; 2]) -> Option<f64> {
+    let (a, b) = ((space.low - origin) * inverse, (space.high - origin) * inverse);
+    let (near, far) = (a.fast_min(b).to_array(), a.fast_max(b).to_array());
+    let (more, less) = (|a, b| if b > a { b } else { a }, |a, b| if b < a { b } else { a });
+    // The third first: the others can be had without it.
+    let start = more(more(more(t_min, near[2]), near[0]), near[1]);
+    let end = less(less(less(t_max, far[2]), far[0]), far[1]);
+    (start <= end + space.lead).then_some(start)
+}
+
 /// A ray in the coordinates of a tree.
 #[derive(Clone, Debug)]
 pub(super) struct Probe<'a> {
@@ -31,14 +43,16 @@ pub(super) struct Probe<'a> {
     pub ray: &'a Ray,
     /// The coordinates it is in.
     space: &'a Space,
-    /// Where it starts: at the near end of the range or where it enters the bounds, less [`LEAD`].
-    pub origin: [f32; 3],
+    /// Where it starts: at the near end of the range or, from outside the bounds, where it enters them, less [`LEAD`].
+    origin: f32x4,
     /// The same, exactly.
-    pub exact_origin: Vec3,
+    exact_origin: f64x4,
     /// One over the direction, finite.
-    pub inverse: [f32; 3],
-    /// Whether the direction is negative, per axis: 0 or 1.
-    pub negative: [usize; 3],
+    pub inverse: f32x4,
+    /// Minus the product of both: a plane at x along an axis is met at the distance x · inverse + shift.
+    pub shift: f32x4,
+    /// Whether the direction is negative: a bit for each axis.
+    pub signs: usize,
     /// The far end of the range, and a little more.
     pub limit: f32,
     /// The near end.
@@ -47,61 +61,60 @@ pub(super) struct Probe<'a> {
     to: f32,
     /// The distance on the world's ray that this one starts at.
     start: f64,
-    /// Axes: two others, and the one the direction is longest along.
-    axes: [usize; 3],
-    /// The shear that makes the ray the third axis (Woop et al. 2013, "Watertight Ray/Triangle Intersection").
-    shear: [f32; 3],
+    /// The axis the direction is longest along.
+    axis: usize,
+    /// The direction, one long along that axis: the shear that makes the ray an axis (Woop et al. 2013, "Watertight Ray/Triangle
+    /// Intersection").
+    shear: f32x4,
+    /// The distance at which it is one away along that axis.
+    depth: f32,
 }
 
 impl<'a> Probe<'a> {
     /// The probe for the part of the ray between the distances, or `None` when it misses the bounds.
     #[inline(always)]
     pub fn new(space: &'a Space, ray: &'a Ray, t_min: f64, t_max: f64) -> Option<Self> {
-        let lead = f64::from(LEAD) * space.unit;
-        let (o, d) = (ray.origin.to_array(), ray.direction.to_array());
+        let (o, d) = (four(ray.origin, 0.0), four(ray.direction, 1.0));
         // A huge number stands for infinity, without ever making 0 · ∞: boxes are padded.
-        let invert = |d: f64| 1.0 / if d.abs() < 1e-18 { 1e-18f64.copysign(d) } else { d };
-        let inverse = [invert(d[0]), invert(d[1]), invert(d[2])];
-        // Clip to the bounds, a little grown.
-        let (mut start, mut end) = (t_min, t_max);
-        for axis in 0..3 {
-            let a = (space.low[axis] - o[axis]) * inverse[axis];
-            let b = (space.high[axis] - o[axis]) * inverse[axis];
-            let (near, far) = if a < b { (a, b) } else { (b, a) };
-            start = if near > start { near } else { start };
-            end = if far < end { far } else { end };
-        }
-        if start > end + lead {
-            return None;
-        }
-        start -= lead;
-        let exact_origin = space.local(ray.at(start));
+        let least = f64x4::splat(1e-18);
+        let inverse = f64x4::ONE / d.abs().simd_lt(least).bitselect(least | (d & f64x4::splat(-0.0)), d);
+        let inside = (o.simd_ge(space.low) & o.simd_le(space.high)).all();
+        let start = if inside { t_min } else { enter(space, o, inverse, [t_min, t_max])? } - space.lead;
+        let exact_origin = (d.mul_add(f64x4::splat(start), o) - four(space.center, 0.0)) * f64x4::splat(space.scale);
+        let single = |v: f64x4| f32x4::new(v.to_array().map(|x| x as f32));
+        let (origin, inverse_single) = (single(exact_origin), single(inverse));
         // A ray that is no ray meets nothing.
-        if exact_origin.is_nan() {
+        let [x, y, z, _] = origin.to_array();
+        if (x + y + z).is_nan() {
             return None;
         }
-        let origin = single(exact_origin);
-        // The longest axis.
-        let (x, y, z) = (d[0].abs(), d[1].abs(), d[2].abs());
-        let k = if z > x && z > y { 2 } else { usize::from(y > x) };
-        let i = if k == 2 { 0 } else { k + 1 };
-        let j = 3 - k - i;
-        let depth = inverse[k];
+        let [x, y, z, _] = d.abs().to_array();
+        let axis = if z > x && z > y { 2 } else { usize::from(y > x) };
+        let depth = inverse.to_array()[axis];
         let reach = ((t_max - start) * space.scale) as f32;
         Some(Self {
             ray,
             space,
             origin,
             exact_origin,
-            inverse: [inverse[0] as f32, inverse[1] as f32, inverse[2] as f32],
-            negative: [usize::from(d[0].is_sign_negative()), usize::from(d[1].is_sign_negative()), usize::from(d[2].is_sign_negative())],
+            inverse: inverse_single,
+            shift: -(origin * inverse_single),
+            signs: d.to_bitmask() as usize,
             limit: reach + LEAD,
             from: ((t_min - start) * space.scale) as f32,
             to: reach,
             start,
-            axes: [i, j, k],
-            shear: [(d[i] * depth) as f32, (d[j] * depth) as f32, depth as f32],
+            axis,
+            shear: single(d * f64x4::splat(depth)),
+            depth: depth as f32,
         })
+    }
+
+    /// The point at a distance, in the tree's coordinates.
+    #[inline(always)]
+    pub fn at(&self, t: f64) -> Vec3 {
+        let [x, y, z, _] = self.exact_origin.to_array();
+        Vec3::new(x, y, z) + self.ray.direction * t
     }
 
     /// The world's distance for one of this probe's.
@@ -138,9 +151,12 @@ impl<'a> Probe<'a> {
     /// on are not hit; no ray passes between triangles that share an edge or a vertex (Woop et al. 2013).
     #[inline(always)]
     pub fn test(&self, block: &Block, limit: f32) -> Lanes {
-        let [i, j, k] = self.axes;
-        let origin = [i, j, k].map(|axis| f32x8::splat(self.origin[axis]));
-        let shear = self.shear.map(f32x8::splat);
+        let k = self.axis;
+        let i = if k == 2 { 0 } else { k + 1 };
+        let j = 3 - k - i;
+        let (origin, shear) = (self.origin.to_array(), self.shear.to_array());
+        let origin = [i, j, k].map(|axis| f32x8::splat(origin[axis]));
+        let shear = [f32x8::splat(shear[i]), f32x8::splat(shear[j]), f32x8::splat(self.depth)];
         let corner = |v: usize| {
             let z = block.corners[v][k] - origin[2];
             let x = shear[0].mul_neg_add(z, block.corners[v][i] - origin[0]);
@@ -183,7 +199,7 @@ impl<'a> Probe<'a> {
             let [a, b, c] = corners.map(|p| p.map(|x| f64::from(x[lane])));
             let (u, v, w) = (c[0] * b[1] - c[1] * b[0], a[0] * c[1] - a[1] * c[0], b[0] * a[1] - b[1] * a[0]);
             let inside = (u >= 0.0 && v >= 0.0 && w >= 0.0) || (u <= 0.0 && v <= 0.0 && w <= 0.0);
-            let t = ((u * a[2] + v * b[2] + w * c[2]) * f64::from(self.shear[2]) / (u + v + w)) as f32;
+            let t = ((u * a[2] + v * b[2] + w * c[2]) * f64::from(self.depth) / (u + v + w)) as f32;
             if inside && t >= 0.0 && t <= limit {
                 lanes.mask |= 1 << lane;
                 (lanes.t[lane], lanes.blur[lane]) = (t, WORST);

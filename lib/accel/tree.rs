@@ -6,14 +6,13 @@ use super::exact::Detail;
 use super::probe::{LEAD, Probe};
 use crate::geometry::Bounds;
 use crate::vector::Vec3;
-use wide::f32x8;
+use wide::{f32x8, f64x4};
 
 /// Set in a child that is not a node.
 pub(super) const LEAF: u32 = 1 << 31;
-/// Set, with [`LEAF`], in a child that is one primitive other than a triangle; the rest is its number in the order of the leaves.
+/// Set, with [`LEAF`], in a child that is one primitive other than a triangle; the rest is its number in the order of the leaves. Without it, the
+/// rest of a leaf is the number of its block of triangles.
 pub(super) const SINGLE: u32 = 1 << 30;
-/// Set, with [`LEAF`] and without [`SINGLE`], in a child of two blocks of triangles; the rest is the number of the first.
-pub(super) const PAIR: u32 = 1 << 29;
 
 /// The cube of size one that the tree lives in: `local = (world − center) · scale`, the scale a power of two.
 #[derive(Clone, Copy, Debug)]
@@ -24,12 +23,14 @@ pub(super) struct Space {
     pub scale: f64,
     /// One over `scale`.
     pub unit: f64,
+    /// How far before its range a probe starts, in the world.
+    pub lead: f64,
     /// The world bounds of all there is.
     pub bounds: Bounds,
-    /// Smallest coordinates of those bounds, a little grown.
-    pub low: Vec3,
-    /// Largest coordinates.
-    pub high: Vec3,
+    /// Smallest coordinates of those bounds, a little grown, and −∞.
+    pub low: f64x4,
+    /// Largest coordinates, and ∞.
+    pub high: f64x4,
 }
 
 impl Space {
@@ -38,8 +39,10 @@ impl Space {
         let exponent = if bounds.is_empty() { 0.0 } else { bounds.size().log2().ceil().clamp(-900.0, 900.0) };
         let center = if bounds.is_empty() { Vec3::ZERO } else { bounds.center() };
         let unit = exponent.exp2();
-        let grown = bounds.grow(f64::from(LEAD) * unit);
-        Self { center, scale: (-exponent).exp2(), unit, bounds, low: grown.min, high: grown.max }
+        let lead = f64::from(LEAD) * unit;
+        let grown = bounds.grow(lead);
+        let (low, high) = (four(grown.min, f64::NEG_INFINITY), four(grown.max, f64::INFINITY));
+        Self { center, scale: (-exponent).exp2(), unit, lead, bounds, low, high }
     }
 
     /// A world point in the tree's own coordinates.
@@ -47,6 +50,12 @@ impl Space {
     pub fn local(&self, p: Vec3) -> Vec3 {
         (p - self.center) * self.scale
     }
+}
+
+/// A point in lanes, and a number beside it.
+#[inline(always)]
+pub(super) fn four(p: Vec3, rest: f64) -> f64x4 {
+    f64x4::new([p.x, p.y, p.z, rest])
 }
 
 /// A point in single precision.
@@ -59,8 +68,8 @@ pub(super) fn single(p: Vec3) -> [f32; 3] {
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
 pub(super) struct Node {
-    /// Per axis: smallest, largest coordinates. An empty slot has +∞, −∞.
-    pub bounds: [[f32x8; 2]; 3],
+    /// Smallest and largest coordinates along the first axis, the second, the third. An empty slot has +∞, −∞.
+    pub bounds: [f32x8; 6],
     /// Node numbers, or [`LEAF`]s.
     pub child: [u32; 8],
 }
@@ -103,9 +112,10 @@ impl Tree {
         let mut spilled: Vec<u64> = Vec::new();
         stack[0] = u64::from(root);
         let mut top = 1;
-        let inverse = probe.inverse.map(f32x8::splat);
-        let shift = [0, 1, 2].map(|axis| f32x8::splat(probe.origin[axis] * probe.inverse[axis]));
-        let [first, second, third] = probe.negative;
+        let [inverse, shift] = [probe.inverse, probe.shift].map(|v| v.to_array().map(f32x8::splat));
+        // The rows of bounds that the ray comes to first, and those opposite.
+        let near_rows = [probe.signs & 1, 2 | probe.signs >> 1 & 1, 4 | probe.signs >> 2 & 1];
+        let far_rows = near_rows.map(|row| row ^ 1);
         let rest = |mask: u32| mask & mask.wrapping_sub(1);
         'next: loop {
             if top == 0 {
@@ -127,9 +137,10 @@ impl Tree {
             while current & LEAF == 0 {
                 let node = &self.nodes[current as usize];
                 // What is rounded here and in the triangle test, the boxes have a margin for.
-                let slab = |axis: usize, side: usize| node.bounds[axis][side].mul_sub(inverse[axis], shift[axis]);
-                let near = slab(0, first).fast_max(slab(1, second)).fast_max(slab(2, third).fast_max(f32x8::ZERO));
-                let far = slab(0, first ^ 1).fast_min(slab(1, second ^ 1)).fast_min(slab(2, third ^ 1).fast_min(far_most));
+                let slabs = |rows: [usize; 3]| [0, 1, 2].map(|axis| node.bounds[rows[axis]].mul_add(inverse[axis], shift[axis]));
+                let ([x, y, z], [to_x, to_y, to_z]) = (slabs(near_rows), slabs(far_rows));
+                let near = x.fast_max(y).fast_max(z.fast_max(f32x8::ZERO));
+                let far = to_x.fast_min(to_y).fast_min(to_z.fast_min(far_most));
                 let first_of = near.simd_le(far).to_bitmask();
                 if first_of == 0 {
                     continue 'next;
@@ -198,13 +209,5 @@ impl Tree {
     /// How much memory it takes.
     pub fn bytes(&self) -> usize {
         size_of_val(&self.nodes[..]) + size_of_val(&self.blocks[..]) + size_of_val(&self.details[..])
-    }
-
-    /// The blocks of a leaf of triangles, with their numbers.
-    #[inline(always)]
-    pub fn blocks_of(&self, leaf: u32) -> impl Iterator<Item = (u32, &Block)> {
-        let first = leaf & (PAIR - 1);
-        let count = if leaf & PAIR == 0 { 1 } else { 2 };
-        (first..).zip(&self.blocks[first as usize..(first + count) as usize])
     }
 }
