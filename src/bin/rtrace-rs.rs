@@ -100,7 +100,6 @@ fn picture(args: &Arguments, rules: &Rules, disk: &Disk, start: Instant, console
     let mut world = world(args, rules, disk, console)?;
     world.survey(film.some_rays(), rules);
 
-    let stop = interrupted();
     let task = Task {
         world: &world,
         rules,
@@ -126,6 +125,7 @@ fn picture(args: &Arguments, rules: &Rules, disk: &Disk, start: Instant, console
         let covered = film::picture(size, header, coverage(&task, &materials).into_iter().map(Vec3::splat));
         return film::write(&covered, output, options.exr).map(|()| Answer::Yes);
     }
+    let stop = interrupted();
     let rendering = render(&task, &stop, &mut |so_far| {
         console.progress(|| film::reached(so_far));
     });
