@@ -6,6 +6,7 @@ use crate::color::{Rgb, bright};
 use crate::panorama::Place;
 use crate::sampling::Steps;
 use crate::vector::Vec3;
+use crate::vector::angle::sin_cos;
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
@@ -65,7 +66,7 @@ impl Environment {
         let columns = self.columns[y].as_ref()?;
         let (x, dx) = columns.sample(u);
         let z = self.cosines[y] + (self.cosines[y + 1] - self.cosines[y]) * dy;
-        let (s, c) = (2.0 * PI * (x as f64 + dx) / self.width as f64).sin_cos();
+        let (s, c) = sin_cos((x as f64 + dx) / self.width as f64);
         let r = (1.0 - z * z).max(0.0).sqrt();
         Some((Vec3::new(r * c, r * s, z), self.density(y, columns.probability(x))))
     }

@@ -3,7 +3,6 @@
 //! A [`Pattern`], [`Texture`] or [`Mixture`] is compiled from a primitive; the [`Sources`] keep what several share: function files, data
 //! files, pictures. Where an expression turns out to have no value, the pattern or texture leaves everything as it is.
 
-mod angle;
 mod compile;
 mod frame;
 mod functions;

@@ -3,11 +3,11 @@
 //! Every number follows from (seed, pixel, sample index, dimension) and from nothing else: never from a thread or a tile.
 
 use crate::vector::Vec3;
-use std::f64::consts::PI;
+use crate::vector::angle::sin_cos;
 
 /// The random numbers of one sample of one pixel: an Owen-scrambled Sobol' (0, 2)-sequence, each pair of dimensions
 /// shuffled and scrambled on its own (Burley 2020, "Practical Hash-based Owen Scrambling").
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct Sampler {
     seed: u32,
     index: u32,
@@ -97,8 +97,9 @@ pub fn disk([u, v]: [f64; 2]) -> [f64; 2] {
     if a == 0.0 && b == 0.0 {
         return [0.0, 0.0];
     }
-    let (r, phi) = if a.abs() > b.abs() { (a, PI / 4.0 * (b / a)) } else { (b, PI / 2.0 - PI / 4.0 * (a / b)) };
-    [r * phi.cos(), r * phi.sin()]
+    let (r, turn) = if a.abs() > b.abs() { (a, 0.125 * (b / a)) } else { (b, 0.25 - 0.125 * (a / b)) };
+    let (sin, cos) = sin_cos(turn);
+    [r * cos, r * sin]
 }
 
 /// A direction of the hemisphere around +z with density cos θ / π (per solid angle).
@@ -111,8 +112,8 @@ pub fn cosine_hemisphere(u: [f64; 2]) -> Vec3 {
 pub fn cone([u, v]: [f64; 2], one_minus_cos: f64) -> Vec3 {
     let one_minus_z = u * one_minus_cos;
     let r = (one_minus_z * (2.0 - one_minus_z)).max(0.0).sqrt();
-    let phi = 2.0 * PI * v;
-    Vec3::new(r * phi.cos(), r * phi.sin(), 1.0 - one_minus_z)
+    let (sin, cos) = sin_cos(v);
+    Vec3::new(r * cos, r * sin, 1.0 - one_minus_z)
 }
 
 /// A distribution over equal steps of [0, 1), constant on each: inverted monotonically, so that well-spread numbers stay well spread.

@@ -2,6 +2,8 @@
 //!
 //! Directions are unit vectors unless said otherwise. `glam` is named here and nowhere else.
 
+pub mod angle;
+
 /// A point, a direction or a difference of points, in world units.
 pub type Vec3 = glam::DVec3;
 

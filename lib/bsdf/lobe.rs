@@ -4,6 +4,7 @@
 
 use crate::rules::Ward;
 use crate::vector::Vec3;
+use crate::vector::angle::sin_cos;
 use std::f64::consts::PI;
 
 /// RADIANCE's approximation of the Fresnel term of polished plastic and metal at the cosine `c`.
@@ -66,7 +67,7 @@ pub fn power_reflection(powers: [f64; 2], wo: Vec3, wi: Vec3) -> f64 {
 
 /// A local direction reflected at a microfacet drawn from the lobe of Ashikhmin and Shirley as RADIANCE draws it. May lie below the horizon.
 pub fn sample_power(powers: [f64; 2], wo: Vec3, [u, v]: [f64; 2]) -> Vec3 {
-    let (sin, cos) = (2.0 * PI * v).sin_cos();
+    let (sin, cos) = sin_cos(v);
     let (x, y) = ((powers[1] + 1.0).sqrt() * cos, (powers[0] + 1.0).sqrt() * sin);
     let length = x.hypot(y);
     let (x, y) = (x / length, y / length);
@@ -84,7 +85,7 @@ pub fn opposite([u, v]: [f64; 2]) -> [f64; 2] {
 /// A slope from the Gaussian with density exp(−x²/α₀ − y²/α₁)/(π√(α₀α₁)).
 fn slope(alpha: [f64; 2], [u, v]: [f64; 2]) -> [f64; 2] {
     let r = (-(1.0 - u).ln()).sqrt();
-    let (sin, cos) = (2.0 * PI * v).sin_cos();
+    let (sin, cos) = sin_cos(v);
     [r * alpha[0].sqrt() * cos, r * alpha[1].sqrt() * sin]
 }
 

@@ -1,8 +1,8 @@
 //! Which place of a picture a ray sees, without evaluating expressions where a standard mapping of directions is recognised.
 
-use super::angle::{acos, atan2};
 use crate::cal::{Failed, Program, Ray};
 use crate::vector::Vec3;
+use crate::vector::angle::{acos, atan2};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// From a ray to (u, v).
