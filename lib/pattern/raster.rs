@@ -2,7 +2,7 @@
 
 use super::table::cell;
 use crate::error::{Error, Result};
-use crate::picture::{Format, Picture};
+use crate::picture::{Format, Picture, hdr};
 
 /// A picture to be looked up. Its exposure is ignored, as RADIANCE ignores it.
 #[derive(Debug)]
@@ -12,9 +12,18 @@ pub struct Raster {
     range: [f64; 2],
     /// Samples per unit of u and v.
     density: [f64; 2],
-    /// Red, green, blue and nothing of each pixel, rows from the bottom; at least two rows and columns.
-    samples: Vec<[f32; 4]>,
+    /// Rows from the bottom; at least two rows and columns.
+    samples: Samples,
     stride: usize,
+}
+
+/// Red, green and blue of pixels. The smaller, the more of them the processor has at hand.
+#[derive(Debug)]
+enum Samples {
+    /// As a RADIANCE picture stores them, if that is what they are.
+    Stored(Vec<hdr::Rgbe>),
+    /// As they are, and nothing.
+    Plain(Vec<[f32; 4]>),
 }
 
 impl Raster {
@@ -42,14 +51,12 @@ impl Raster {
         let range = if x <= y * aspect { [1.0, aspect * y / x] } else { [x / y / aspect, 1.0] };
         // Give a picture of a single row or column a second one, which the densities of 0 keep out.
         let (stride, rows) = (width.max(2), height.max(2));
-        let mut samples = Vec::with_capacity(stride * rows);
-        for j in 0..rows {
-            let row = height - 1 - j.min(height - 1);
-            samples.extend((0..stride).map(|i| {
-                let [r, g, b] = picture.at(i.min(width - 1), row);
-                [r, g, b, 0.0]
-            }));
-        }
+        let pixels = || (0..rows * stride).map(|k| picture.at((k % stride).min(width - 1), height - 1 - (k / stride).min(height - 1)));
+        let stored = |pixel: [f32; 3]| hdr::encode(pixel).filter(|stored| hdr::decode(*stored) == pixel);
+        let samples = match pixels().map(stored).collect() {
+            Some(samples) => Samples::Stored(samples),
+            None => Samples::Plain(pixels().map(|[r, g, b]| [r, g, b, 0.0]).collect()),
+        };
         Ok(Self { width, height, range, density: [(x - 1.0) / range[0], (y - 1.0) / range[1]], samples, stride })
     }
 
@@ -60,8 +67,11 @@ impl Raster {
 
     /// Red, green and blue of a pixel, counted from the left and from the bottom.
     pub fn pixel(&self, x: usize, y: usize) -> [f32; 3] {
-        let [r, g, b, _] = self.samples[y * self.stride + x];
-        [r, g, b]
+        let place = y * self.stride + x;
+        match &self.samples {
+            Samples::Stored(samples) => hdr::decode(samples[place]),
+            Samples::Plain(samples) => [samples[place][0], samples[place][1], samples[place][2]],
+        }
     }
 
     /// The greatest u and v. The outermost pixels lie at 0 and there.
@@ -74,16 +84,29 @@ impl Raster {
     pub fn value(&self, [u, v]: [f64; 2]) -> [f64; 3] {
         let (i, [left, right]) = cell(u * self.density[0], self.stride);
         let (j, [below, above]) = cell(v * self.density[1], self.height.max(2));
-        let at = j * self.stride + i;
-        let low = &self.samples[at..at + 2];
-        let high = &self.samples[at + self.stride..at + self.stride + 2];
-        let mix = |k: usize| {
-            let low = left * f64::from(low[0][k]) + right * f64::from(low[1][k]);
-            let high = left * f64::from(high[0][k]) + right * f64::from(high[1][k]);
-            below * low + above * high
+        let (low, high) = match &self.samples {
+            Samples::Stored(samples) => self.around(samples, j * self.stride + i, values),
+            Samples::Plain(samples) => self.around(samples, j * self.stride + i, |sample| sample.map(f64::from)),
         };
+        let mix = |k: usize| below * (left * low[0][k] + right * low[1][k]) + above * (left * high[0][k] + right * high[1][k]);
         [mix(0), mix(1), mix(2)]
     }
+
+    /// What a pixel, those to its right, above, and above to its right are.
+    #[inline]
+    fn around<T: Copy>(&self, samples: &[T], at: usize, value: impl Fn(T) -> [f64; 4]) -> ([[f64; 4]; 2], [[f64; 4]; 2]) {
+        let (low, high) = (&samples[at..at + 2], &samples[at + self.stride..at + self.stride + 2]);
+        ([value(low[0]), value(low[1])], [value(high[0]), value(high[1])])
+    }
+}
+
+/// What [`hdr::decode`] makes of a pixel, and anything.
+#[inline]
+fn values(stored: hdr::Rgbe) -> [f64; 4] {
+    let exponent = u64::from(stored[3]);
+    let scale = f64::from_bits((exponent + 1023 - 136) << 52);
+    let scale = if exponent == 0 { 0.0 } else { scale };
+    stored.map(|m| (f64::from(m) + 0.5) * scale)
 }
 
 #[cfg(test)]
