@@ -39,12 +39,12 @@ pub trait Transport {
     /// The throughput of light from a direction that was aimed at a light with density `pdf`: `beta` times the sum of the parts of f·|cos θ|,
     /// each weighted against the samples of its own that might have found the light (`counts`, per way to sample it).
     fn aimed(&self, beta: &Self::Beta, surface: &Self::Surface, wi: Vec3, arriving: Arriving, pdf: f64, counts: &[f64; 4]) -> Self::Beta;
-    /// The throughput behind a direction that was drawn from a part in one way, and the density it was drawn with, `count` samples of each
-    /// way being expected.
+    /// The throughput behind the direction that was just drawn from a part in one way, and the density it was drawn with, `count` samples of
+    /// each way being expected.
     fn drawn(&self, beta: &Self::Beta, surface: &Self::Surface, wi: Vec3, part: Part, way: usize, count: f64) -> (Self::Beta, f64);
-    /// A throughput that vanishes on the average, for the light of one more direction: what the numbers `us` that directions were drawn from a
-    /// part with left too much or too little of it (a control variate). `None` where none is of use.
-    fn control(&self, _beta: &Self::Beta, _surface: &Self::Surface, _part: Part, _us: &[[f64; 2]]) -> Option<Self::Beta> {
+    /// One more direction, its density as in [`Transport::drawn`], and a throughput for its light that vanishes on the average: what the
+    /// directions that were drawn from a part, one in each way, left too much or too little of it (a control variate). `None` where none is of use.
+    fn control(&self, _beta: &Self::Beta, _surface: &Self::Surface, _part: Part, _count: f64) -> Option<(Self::Beta, Vec3, f64)> {
         None
     }
     /// The throughput of light that reaches one side of the surface from all directions alike, through the diffuse part.
@@ -125,7 +125,7 @@ pub trait Scattering {
     }
 
     /// A direction drawn from a part in one way.
-    fn sample(&self, part: Part, _way: usize, u: [f64; 2]) -> Option<Vec3> {
+    fn sample(&mut self, part: Part, _way: usize, u: [f64; 2]) -> Option<Vec3> {
         self.bsdf().sample(part, u)
     }
 
@@ -146,6 +146,8 @@ pub struct Integrator<'a, B> {
     world: &'a World,
     rules: &'a Rules,
     stack: Vec<Segment<B>>,
+    /// The states among antimatter of the paths of a sample.
+    clips: Vec<Clip>,
     outcome: Outcome,
 }
 
@@ -158,13 +160,18 @@ pub struct Outcome {
     pub surface: bool,
 }
 
-/// A path, from its last vertex on.
-#[derive(Clone)]
+/// A path that is to be followed, and what it carries.
 struct Segment<B> {
+    path: Path,
+    beta: B,
+}
+
+/// A path, from its last vertex on.
+#[derive(Clone, Copy)]
+struct Path {
     ray: Ray,
     /// How far it may go.
     limit: f64,
-    beta: B,
     sampler: Sampler,
     /// RADIANCE's weight of the ray: the product of the coefficients so far, each at most 1.
     weight: f64,
@@ -182,8 +189,8 @@ struct Segment<B> {
     scattered: Option<Scattered>,
     /// What a shadow ray was aimed at: it counts only if it ends there.
     aim: Option<Emitter>,
-    /// Its state among antimatter; `None` where there is none.
-    clip: Option<Box<Clip>>,
+    /// Its state among antimatter, by its place in the list; `None` where there is none.
+    clip: Option<usize>,
     kind: Kind,
 }
 
@@ -210,13 +217,13 @@ const PATIENCE: f64 = 0.8;
 impl<'a, B: Clone> Integrator<'a, B> {
     /// An integrator for a world and rules.
     pub fn new(world: &'a World, rules: &'a Rules) -> Self {
-        Self { world, rules, stack: Vec::new(), outcome: Outcome::default() }
+        Self { world, rules, stack: Vec::new(), clips: Vec::new(), outcome: Outcome::default() }
     }
 
     /// Follows one sample of `ray` as far as `limit`, and all it leads to.
     pub fn trace<T: Transport<Beta = B>>(&mut self, transport: &mut T, ray: Ray, limit: f64, sampler: Sampler) -> Outcome {
-        let segment = self.primary(transport, ray, limit, sampler);
-        self.stack.push(segment);
+        let path = self.primary(ray, limit, sampler);
+        self.stack.push(Segment { path, beta: transport.start() });
         self.run(transport)
     }
 
@@ -224,18 +231,18 @@ impl<'a, B: Clone> Integrator<'a, B> {
     pub fn irradiance<T: Transport<Beta = B>>(&mut self, transport: &mut T, point: Vec3, normal: Vec3, sampler: Sampler) -> Outcome {
         let ray = Ray { origin: point, direction: -normal };
         let layer = self.world.collector(&ray, point);
-        let segment = self.primary(transport, ray, f64::INFINITY, sampler);
-        self.scatter(transport, segment, &layer);
+        let path = self.primary(ray, f64::INFINITY, sampler);
+        self.scatter(transport, path, &transport.start(), &layer);
         self.run(transport)
     }
 
     /// The first ray of a path.
-    fn primary<T: Transport<Beta = B>>(&mut self, transport: &T, ray: Ray, limit: f64, sampler: Sampler) -> Segment<B> {
+    fn primary(&mut self, ray: Ray, limit: f64, sampler: Sampler) -> Path {
         self.outcome = Outcome::default();
-        Segment {
+        self.clips.clear();
+        Path {
             ray,
             limit,
-            beta: transport.start(),
             sampler,
             weight: 1.0,
             level: 0,
@@ -252,75 +259,90 @@ impl<'a, B: Clone> Integrator<'a, B> {
 
     /// Follows what is on the stack, and all it leads to.
     fn run<T: Transport<Beta = B>>(&mut self, transport: &mut T) -> Outcome {
-        while let Some(mut segment) = self.stack.pop() {
-            let hit = self.world.nearest(&segment.ray, segment.limit);
-            let Segment { ray, limit, weight, kind, aim, beta, .. } = &mut segment;
+        while let Some(Segment { path, mut beta }) = self.stack.pop() {
+            let hit = self.world.nearest(&path.ray, path.limit);
+            let Path { ray, limit, weight, kind, aim, .. } = &path;
             let visit = Visit { ray, hit: hit.as_ref(), limit: *limit, weight: *weight, kind: *kind, shadow: aim.is_some() };
-            transport.visit(beta, &visit);
+            transport.visit(&mut beta, &visit);
             match hit {
                 Some(hit) => {
+                    let clip = path.clip.map(|clip| self.clips[clip].clone());
                     let coming = Coming {
-                        ray: &segment.ray,
-                        travelled: segment.travelled,
-                        aim: segment.aim,
-                        primary: segment.exact && segment.level == 0 && segment.scattered.is_none() && segment.aim.is_none(),
-                        gathered: segment.gathers(),
-                        ambient: segment.bounces > 0 || segment.aim == Some(Emitter::Environment),
-                        clip: segment.clip.as_deref(),
+                        ray,
+                        travelled: path.travelled,
+                        aim: path.aim,
+                        primary: path.exact && path.level == 0 && path.scattered.is_none() && path.aim.is_none(),
+                        gathered: path.gathers(),
+                        ambient: path.bounces > 0 || path.aim == Some(Emitter::Environment),
+                        clip: clip.as_ref(),
                     };
-                    self.outcome.surface |= segment.travelled == 0.0;
-                    self.world.layers(&hit, &coming, self.rules, &mut |layer| self.meet(transport, &segment, hit.t, hit.point, layer));
+                    self.outcome.surface |= path.travelled == 0.0;
+                    self.world.layers(&hit, &coming, self.rules, &mut |layer| self.meet(transport, &path, &beta, &hit, layer));
                 }
-                None if segment.limit < f64::INFINITY => {}
-                None => self.escape(transport, segment),
+                None if path.limit < f64::INFINITY => {}
+                None => self.escape(transport, &path, beta),
             }
         }
         self.outcome
     }
 
     /// What lies behind everything.
-    fn escape<T: Transport<Beta = B>>(&mut self, transport: &mut T, mut segment: Segment<B>) {
-        if let Some(emission) = self.world.sky(segment.ray.origin, segment.ray.direction, segment.aim, segment.gathers()) {
-            transport.absorb(&mut segment.beta, &segment.medium, f64::INFINITY);
-            self.emit(transport, &segment, &segment.beta, &emission);
+    fn escape<T: Transport<Beta = B>>(&self, transport: &mut T, path: &Path, mut beta: B) {
+        if let Some(emission) = self.world.sky(path.ray.origin, path.ray.direction, path.aim, path.gathers()) {
+            transport.absorb(&mut beta, &path.medium, f64::INFINITY);
+            self.emit(transport, path, &beta, &emission);
         }
     }
 
-    /// One layer of what a segment hit.
-    fn meet<T: Transport<Beta = B>>(&mut self, transport: &mut T, segment: &Segment<B>, t: f64, point: Vec3, layer: &Layer) {
-        let mut beta = segment.beta.clone();
-        let mut weight = segment.weight;
+    /// One layer of what a path hit.
+    fn meet<T: Transport<Beta = B>>(&mut self, transport: &mut T, path: &Path, beta: &B, hit: &Hit, layer: &Layer) {
+        let mut beta = beta.clone();
+        let mut weight = path.weight;
         if layer.fraction != 1.0 {
             transport.scale(&mut beta, Rgb::splat(layer.fraction));
             weight *= layer.fraction;
         }
         transport.meet(&beta, layer);
-        let medium = layer.behind.as_ref().unwrap_or(&segment.medium);
-        transport.absorb(&mut beta, medium, t);
+        let medium = layer.behind.as_ref().unwrap_or(&path.medium);
+        transport.absorb(&mut beta, medium, hit.t);
         // RADIANCE's weight reckons with a strong medium only.
-        let dimmed = transport.extinction(medium).min_element() * t;
+        let dimmed = transport.extinction(medium).min_element() * hit.t;
         if dimmed > 0.1 || dimmed > 0.0 && !self.rules.limited() {
             weight *= (-dimmed).exp();
         }
-        let onward = Segment {
-            ray: Ray { origin: point, direction: segment.ray.direction },
-            limit: segment.limit - t,
-            travelled: segment.travelled + t,
-            beta,
+        if let Some(emission) = &layer.emission {
+            return self.emit(transport, path, &beta, emission);
+        }
+        let onward = Path {
+            ray: Ray { origin: hit.point, direction: path.ray.direction },
+            limit: path.limit - hit.t,
+            travelled: path.travelled + hit.t,
             weight,
             medium: *medium,
-            ..segment.clone()
+            ..*path
         };
-        match (&layer.emission, layer.material.is_some()) {
-            (Some(emission), _) => self.emit(transport, segment, &onward.beta, emission),
-            (None, false) => self.stack.push(Segment { kind: Kind::Passed, ..onward.beyond(layer) }),
-            (None, true) => self.scatter(transport, onward, layer),
+        if layer.material.is_some() {
+            return self.scatter(transport, onward, &beta, layer);
         }
+        let path = self.beyond(Path { kind: Kind::Passed, ..onward }, layer);
+        self.stack.push(Segment { path, beta });
+    }
+
+    /// The same path on the other side of what it met.
+    fn beyond(&mut self, mut path: Path, layer: &Layer) -> Path {
+        if let Some(clip) = &layer.clip {
+            path.clip = Some(self.clips.len());
+            self.clips.push((**clip).clone());
+        }
+        if let Some(scattered) = path.scattered.as_mut().filter(|_| layer.shades) {
+            scattered.lamps = 0.0;
+        }
+        path
     }
 
     /// Light at the end of a path.
-    fn emit<T: Transport<Beta = B>>(&mut self, transport: &mut T, segment: &Segment<B>, beta: &B, emission: &Emission) {
-        let weight = match (segment.aim, segment.scattered) {
+    fn emit<T: Transport<Beta = B>>(&self, transport: &mut T, path: &Path, beta: &B, emission: &Emission) {
+        let weight = match (path.aim, &path.scattered) {
             (Some(aim), _) => (aim == emission.emitter) as u8 as f64,
             (None, None) => (self.rules.lights_visible || emission.beyond) as u8 as f64,
             (None, Some(s)) => match emission.emitter {
@@ -342,9 +364,14 @@ impl<'a, B: Clone> Integrator<'a, B> {
     }
 }
 
-impl<B> Segment<B> {
+impl Path {
     /// Whether it gathers indirect light.
     fn gathers(&self) -> bool {
         self.scattered.is_some() || self.aim == Some(Emitter::Environment)
+    }
+
+    /// The same path with no end: what is reflected is not held by the limit of the ray before it.
+    fn free(self) -> Self {
+        Self { limit: f64::INFINITY, ..self }
     }
 }

@@ -144,7 +144,12 @@ impl Medium {
 
     /// Extinction per unit length, −ln of the transmissivity times `pattern`: 100 for black, 0 for clear.
     pub fn extinction(&self, pattern: Rgb) -> Rgb {
-        (self.transmissivity * pattern).to_array().map(|t| if t < 1e-40 { 100.0 } else { (-t.ln()).max(0.0) }).into()
+        let extinction = |t: f64| match t {
+            1.0.. => 0.0,
+            t if t < 1e-40 => 100.0,
+            t => (-t.ln()).max(0.0),
+        };
+        (self.transmissivity * pattern).to_array().map(extinction).into()
     }
 }
 

@@ -5,12 +5,14 @@
 //! the same paths; the index of refraction bends the paths, and has a basis for each node. Choices on a path never depend on what is unknown.
 
 mod clear;
+mod lobes;
 mod rough;
 #[cfg(test)]
 mod tests;
 
 pub use clear::Clear;
-pub use rough::{Alpha, MOST_NODES, Monomials, ORDER, Rough};
+pub use lobes::Alpha;
+pub use rough::{MOST_NODES, Monomials, ORDER, Rough};
 
 use crate::color::Rgb;
 use crate::geometry::Ray;
@@ -72,21 +74,38 @@ impl Mixture {
 
     /// The pixel with these columns of all channels.
     pub fn of(&self, columns: &[f32]) -> [f64; 3] {
-        let mut columns = columns;
-        self.0.each_ref().map(|x| {
-            let (channel, rest) = columns.split_at(x.len());
-            columns = rest;
-            product(x, channel)
+        let width = self.0[0].len();
+        let pairs = [0, 1, 2].map(|c| (self.0[c].as_chunks::<LANES>(), columns[c * width..][..width].as_chunks::<LANES>()));
+        // All channels at a time: each sum waits for its last addition.
+        let mut sums = [f32x8::ZERO; 3];
+        for i in 0..width / LANES {
+            for (sum, ((x, _), (columns, _))) in sums.iter_mut().zip(&pairs) {
+                *sum = f32x8::from(x[i]).mul_add(f32x8::from(columns[i]), *sum);
+            }
+        }
+        std::array::from_fn(|c| {
+            let ((_, x), (_, columns)) = pairs[c];
+            let rest: f32 = x.iter().zip(columns).map(|(a, b)| a * b).sum();
+            (sums[c].reduce_add() + rest) as f64
         })
     }
 }
 
-/// The scalar product of two vectors.
-fn product(a: &[f32], b: &[f32]) -> f64 {
-    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<LANES>(), b.as_chunks::<LANES>());
-    let lanes = a.iter().zip(b).fold(f32x8::ZERO, |sum, (a, b)| f32x8::from(*a).mul_add(f32x8::from(*b), sum));
-    let rest: f32 = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum();
-    (lanes.reduce_add() + rest) as f64
+/// e^x as [`f32x8::exp`] has it, for x that are not above 0; where that is no normal number it is 0.
+#[inline]
+fn decay(x: f32x8) -> f32x8 {
+    const LEAST: f32 = -87.0;
+    let counts = x.simd_ge(f32x8::splat(LEAST));
+    // Take out the powers of 2, by the two parts of ln 2 (fdlibm, e_exp.c).
+    let n = x.fast_max(f32x8::splat(LEAST)) * f32x8::LOG2_E;
+    let n = n.round_ties_even();
+    let x = n.mul_neg_add(f32x8::splat(-2.121_944_4e-4), n.mul_neg_add(f32x8::splat(0.693_359_4), x));
+    // Sum the power series.
+    let [a, b, c, d, e, f] = [2.0, 6.0, 24.0, 120.0, 720.0, 5040.0].map(|factorial: f32| f32x8::splat(1.0 / factorial));
+    let x2 = x * x;
+    let rest = d.mul_add(x, c).mul_add(x2, f.mul_add(x, e).mul_add(x2 * x2, b.mul_add(x, a)));
+    let power = n.fast_round_int().to_array().map(|n| f32::from_bits(((n + 127) as u32) << 23));
+    counts & ((rest.mul_add(x2, x) + f32x8::ONE) * f32x8::from(power))
 }
 
 impl Basis {

@@ -1,7 +1,7 @@
 //! How a path goes on from a surface: in single directions, by samples of its rough parts, aimed at lamps and at the environment.
 
 use super::unhidden::Unhidden;
-use super::{EXACT_ROULETTE, Integrator, Kind, MANY, PATIENCE, ROULETTE, Scattered, Scattering, Segment, Transport};
+use super::{EXACT_ROULETTE, Integrator, Kind, MANY, PATIENCE, Path, ROULETTE, Scattered, Scattering, Segment, Transport};
 use crate::bsdf::{Arriving, Bsdf, Delta, Part, lobe};
 use crate::color::Rgb;
 use crate::geometry::Ray;
@@ -9,10 +9,11 @@ use crate::rules::UNWEIGHTED;
 use crate::vector::Vec3;
 use crate::world::{Emitter, Layer};
 
-/// A surface that a path has come to.
-struct Vertex<'v, S> {
-    surface: S,
+/// A surface that a path has come to, and what the path carries.
+struct Vertex<'v, T: Transport> {
+    surface: &'v mut T::Surface,
     layer: &'v Layer<'v>,
+    beta: &'v T::Beta,
 }
 
 /// How paths go on from a surface. The ways are: its two deltas, its four parts.
@@ -29,9 +30,6 @@ struct Ways {
     chosen: Option<usize>,
 }
 
-/// A part that is sampled in more ways than these has no control variate.
-const MOST_WAYS: usize = 4;
-
 impl Ways {
     fn take(&self, way: usize) -> bool {
         self.chosen.is_none_or(|c| c == way)
@@ -40,17 +38,18 @@ impl Ways {
 
 impl<B: Clone> Integrator<'_, B> {
     /// Scattering at a surface: `at` begins there, with the direction it came with.
-    pub(super) fn scatter<T: Transport<Beta = B>>(&mut self, transport: &mut T, mut at: Segment<B>, layer: &Layer) {
-        let vertex = Vertex { surface: transport.surface(layer, self.rules), layer };
+    pub(super) fn scatter<T: Transport<Beta = B>>(&mut self, transport: &mut T, mut at: Path, beta: &B, layer: &Layer) {
+        let mut surface = transport.surface(layer, self.rules);
+        let mut vertex: Vertex<T> = Vertex { surface: &mut surface, layer, beta };
         if at.aim.is_some() {
             let way = layer.relay.is_none() as usize;
             if let Some(delta) = &vertex.surface.deltas()[way] {
-                let mut next = self.after(transport, &mut at, &vertex, delta);
-                next.weight *= delta.coefficient.max_element().min(1.0);
+                let (mut path, beta) = self.after(transport, &mut at, &vertex, delta);
+                path.weight *= delta.coefficient.max_element().min(1.0);
                 if let Some(lamp) = layer.relay {
-                    next.aim = Some(Emitter::Lamp(lamp));
+                    path.aim = Some(Emitter::Lamp(lamp));
                 }
-                self.stack.push(next);
+                self.stack.push(Segment { path, beta });
             }
             return;
         }
@@ -60,12 +59,12 @@ impl<B: Clone> Integrator<'_, B> {
         self.aim_at_environment(transport, &mut at, &vertex, &ways, &mut unhidden);
         for part in Part::ALL {
             if ways.weights[part as usize] > 0.0 && ways.take(2 + part as usize) {
-                self.gather(transport, &mut at, &vertex, part, &ways, &mut unhidden);
+                self.gather(transport, &mut at, &mut vertex, part, &ways, &mut unhidden);
             }
         }
         for side in 0..2 {
             if let Some(missed) = unhidden.as_ref().and_then(|unhidden| unhidden.missed(vertex.surface.bsdf(), side)) {
-                transport.collect(&transport.unhidden(&at.beta, &vertex.surface, side), missed);
+                transport.collect(&transport.unhidden(vertex.beta, vertex.surface, side), missed);
             }
         }
         for side in 0..2 {
@@ -76,13 +75,13 @@ impl<B: Clone> Integrator<'_, B> {
     }
 
     /// How to go on from a surface: in every way there is while nothing was left to chance, else in one, chosen in proportion to what it carries.
-    fn ways<T: Transport<Beta = B>>(&mut self, transport: &mut T, at: &mut Segment<B>, vertex: &Vertex<T::Surface>) -> Ways {
-        let surface = &vertex.surface;
+    fn ways<T: Transport<Beta = B>>(&mut self, transport: &mut T, at: &mut Path, vertex: &Vertex<T>) -> Ways {
+        let surface = &*vertex.surface;
         let mut ways = Ways { weights: surface.weights(), counts: [0.0; 4], aims: [0.0; 4], share: [1.0; 6], chosen: None };
         if at.bounces >= self.rules.ambient_bounces || !vertex.layer.gathers {
             for side in 0..2 {
                 if std::mem::take(&mut ways.weights[side]) > 0.0 && self.rules.ambient_value != Rgb::ZERO {
-                    transport.collect(&transport.ambient(&at.beta, surface, side), self.rules.ambient_value);
+                    transport.collect(&transport.ambient(vertex.beta, surface, side), self.rules.ambient_value);
                 }
             }
         }
@@ -109,7 +108,7 @@ impl<B: Clone> Integrator<'_, B> {
     }
 
     /// One of several ways, with these probabilities.
-    fn choose(&mut self, at: &mut Segment<B>, share: &[f64; 6]) -> usize {
+    fn choose(&mut self, at: &mut Path, share: &[f64; 6]) -> usize {
         let mut u = self.draw(at)[0];
         let last = share.iter().rposition(|&s| s > 0.0).unwrap_or(0);
         share[..last]
@@ -122,7 +121,7 @@ impl<B: Clone> Integrator<'_, B> {
     }
 
     /// Two random numbers.
-    fn draw(&mut self, at: &mut Segment<B>) -> [f64; 2] {
+    fn draw(&mut self, at: &mut Path) -> [f64; 2] {
         self.outcome.random = true;
         at.sampler.pair()
     }
@@ -144,19 +143,19 @@ impl<B: Clone> Integrator<'_, B> {
     fn gather<T: Transport<Beta = B>>(
         &mut self,
         transport: &mut T,
-        at: &mut Segment<B>,
-        vertex: &Vertex<T::Surface>,
+        at: &mut Path,
+        vertex: &mut Vertex<T>,
         part: Part,
         ways: &Ways,
         unhidden: &mut Option<Unhidden>,
     ) {
-        let (k, surface) = (part as usize, &vertex.surface);
-        let next = At { part, weight: self.factor(ways.weights[k], ways.share[2 + k]), layer: vertex.layer };
+        let (k, Vertex { surface, layer, beta }) = (part as usize, vertex);
+        let next = At { part, weight: self.factor(ways.weights[k], ways.share[2 + k]), layer };
         let mut from = Scattered { origin: at.ray.origin, direction: Vec3::ZERO, density: 0.0, lamps: 0.0, shared: false };
         if let Some(spread) = self.spread(part, surface.bsdf()) {
             let mut sampler = at.sampler.fork();
             if let Some((wi, color)) = surface.bsdf().unweighted(part, spread, &mut sampler) {
-                let mut beta = at.beta.clone();
+                let mut beta = beta.clone();
                 transport.scale(&mut beta, color / ways.share[2 + k]);
                 from.direction = surface.bsdf().to_world(wi);
                 self.outcome.random |= spread > 0.0;
@@ -168,7 +167,7 @@ impl<B: Clone> Integrator<'_, B> {
         let count = surface.ways(part);
         let only = if at.exact || count == 1 { None } else { Some(((self.draw(at)[0] * count as f64) as usize).min(count - 1)) };
         from.shared = ways.aims[k] > 0.0;
-        let (mut us, mut other) = ([[0.0; 2]; MOST_WAYS], None);
+        let mut other = None;
         for way in (0..count).filter(|&w| only.is_none_or(|o| o == w)) {
             // Two ways look to opposite sides of the lobe: what only tilts across it cancels (Hammersley and Morton 1956).
             let u = other.take().unwrap_or_else(|| {
@@ -176,9 +175,6 @@ impl<B: Clone> Integrator<'_, B> {
                 other = Some(lobe::opposite(u));
                 u
             });
-            if let Some(kept) = us.get_mut(way) {
-                *kept = u;
-            }
             if let (true, Some(unhidden)) = (part.diffuse(), &mut *unhidden) {
                 unhidden.take(surface.bsdf(), part.lambert(u));
             }
@@ -186,22 +182,18 @@ impl<B: Clone> Integrator<'_, B> {
             from.direction = surface.bsdf().to_world(wi);
             from.lamps =
                 if self.rules.light_jitter.is_none() && ways.aims[k] > 0.0 { surface.lamp_ratio(part, wi).unwrap_or(0.0) } else { 0.0 };
-            let beta;
-            (beta, from.density) = transport.drawn(&at.beta, surface, wi, part, way, ways.counts[k]);
+            let carried;
+            (carried, from.density) = transport.drawn(beta, surface, wi, part, way, ways.counts[k]);
             let exact = std::mem::take(&mut at.exact);
-            self.send(transport, at, beta, from, &next);
+            self.send(transport, at, carried, from, &next);
             at.exact = exact;
         }
         if at.exact
-            && let Some(us) = us.get(..count)
-            && let Some(beta) = transport.control(&at.beta, surface, part, us)
+            && let Some((carried, wi, density)) = transport.control(beta, surface, part, ways.counts[k])
         {
-            // What is seen along the middle of the lobe is the best guess at what is seen within it.
-            let Some(wi) = surface.sample(part, 0, [0.0; 2]) else { return };
-            (from.direction, from.lamps) = (surface.bsdf().to_world(wi), 0.0);
-            from.density = transport.drawn(&at.beta, surface, wi, part, 0, ways.counts[k]).1;
+            (from.direction, from.density, from.lamps) = (surface.bsdf().to_world(wi), density, 0.0);
             at.exact = false;
-            self.send(transport, at, beta, from, &next);
+            self.send(transport, at, carried, from, &next);
             at.exact = true;
         }
     }
@@ -213,97 +205,75 @@ impl<B: Clone> Integrator<'_, B> {
     }
 
     /// Sends a path on from a rough surface.
-    fn send<T: Transport<Beta = B>>(&mut self, transport: &mut T, at: &mut Segment<B>, beta: B, from: Scattered, next: &At) {
+    fn send<T: Transport<Beta = B>>(&mut self, transport: &mut T, at: &mut Path, beta: B, from: Scattered, next: &At) {
         let sampler = at.sampler.fork();
         let ray = Ray { origin: at.ray.origin, direction: from.direction };
         let bounces = at.bounces + next.part.diffuse() as u32;
         let reflected = next.part.side() == 0;
-        let path = Segment { ray, beta, sampler, bounces, scattered: Some(from), kind: Kind::Scattered, ..at.clone() };
-        let path = if reflected { path.free() } else { path.beyond(next.layer) };
-        self.push(transport, path, next.weight, reflected);
+        let path = Path { ray, sampler, bounces, scattered: Some(from), kind: Kind::Scattered, ..*at };
+        let path = if reflected { path.free() } else { self.beyond(path, next.layer) };
+        self.push(transport, path, beta, next.weight, reflected);
     }
 
-    /// The path behind a direction that is scattered into alone.
-    fn after<T: Transport<Beta = B>>(
-        &mut self,
-        transport: &T,
-        at: &mut Segment<B>,
-        vertex: &Vertex<T::Surface>,
-        delta: &Delta,
-    ) -> Segment<B> {
+    /// The path behind a direction that is scattered into alone, and what it carries.
+    fn after<T: Transport<Beta = B>>(&mut self, transport: &T, at: &mut Path, vertex: &Vertex<T>, delta: &Delta) -> (Path, B) {
         let kind = if delta.reflected { Kind::Reflected } else { Kind::Transmitted };
-        let beta = transport.follow(&at.beta, &vertex.surface, delta);
-        let mut next = Segment { sampler: at.sampler.fork(), beta, kind, ..at.clone() };
-        next.ray.direction = delta.direction;
-        if let Some(medium) = delta.medium {
-            next.medium = medium;
-        }
-        if delta.reflected { next.free() } else { next.beyond(vertex.layer) }
+        let beta = transport.follow(vertex.beta, vertex.surface, delta);
+        let ray = Ray { origin: at.ray.origin, direction: delta.direction };
+        let path = Path { ray, sampler: at.sampler.fork(), medium: delta.medium.unwrap_or(at.medium), kind, ..*at };
+        (if delta.reflected { path.free() } else { self.beyond(path, vertex.layer) }, beta)
     }
 
     /// Follows a direction that is scattered into alone, taken with probability `share`.
-    fn follow<T: Transport<Beta = B>>(
-        &mut self,
-        transport: &mut T,
-        at: &mut Segment<B>,
-        vertex: &Vertex<T::Surface>,
-        delta: &Delta,
-        share: f64,
-    ) {
-        let mut next = self.after(transport, at, vertex, delta);
+    fn follow<T: Transport<Beta = B>>(&mut self, transport: &mut T, at: &mut Path, vertex: &Vertex<T>, delta: &Delta, share: f64) {
+        let (mut path, mut beta) = self.after(transport, at, vertex, delta);
         if share != 1.0 {
-            transport.scale(&mut next.beta, Rgb::splat(1.0 / share));
+            transport.scale(&mut beta, Rgb::splat(1.0 / share));
         }
         // Lamps and environment were not aimed at by way of a mirror.
         if delta.reflected
-            && let Some(s) = &mut next.scattered
+            && let Some(s) = &mut path.scattered
         {
             (s.lamps, s.shared) = (0.0, false);
         }
         let weight = self.factor(delta.coefficient.max_element(), share);
-        self.push(transport, next, weight, delta.reflected);
+        self.push(transport, path, beta, weight, delta.reflected);
     }
 
     /// Sends a path on if RADIANCE's limits, or roulette, let it live.
-    fn push<T: Transport<Beta = B>>(&mut self, transport: &mut T, mut next: Segment<B>, coefficient: f64, reflected: bool) {
-        next.level += reflected as i32;
-        next.weight *= coefficient.min(1.0);
+    fn push<T: Transport<Beta = B>>(&mut self, transport: &T, mut path: Path, mut beta: B, coefficient: f64, reflected: bool) {
+        path.level += reflected as i32;
+        path.weight *= coefficient.min(1.0);
         let least = match (self.rules.limit_reflections, self.rules.limit_weight) {
             (Some(most), least) if most > 0 => {
-                if next.level <= most && next.weight >= least.unwrap_or(0.0) {
-                    self.stack.push(next);
+                if path.level <= most && path.weight >= least.unwrap_or(0.0) {
+                    self.stack.push(Segment { path, beta });
                 }
                 return;
             }
             (most, least) => {
-                if most.is_some_and(|m| m < 0 && next.level.unsigned_abs() > m.unsigned_abs()) {
+                if most.is_some_and(|m| m < 0 && path.level.unsigned_abs() > m.unsigned_abs()) {
                     return;
                 }
-                least.unwrap_or(if next.exact { EXACT_ROULETTE } else { ROULETTE })
+                least.unwrap_or(if path.exact { EXACT_ROULETTE } else { ROULETTE })
             }
         };
-        let patience = if reflected && next.level > MANY && !self.rules.limited() { PATIENCE } else { 1.0 };
-        let survival = patience * (next.weight / least).min(1.0);
+        let patience = if reflected && path.level > MANY && !self.rules.limited() { PATIENCE } else { 1.0 };
+        let survival = patience * (path.weight / least).min(1.0);
         if survival < 1.0 {
             self.outcome.random = true;
-            if !(next.sampler.single() < survival) {
+            if !(path.sampler.single() < survival) {
                 return;
             }
-            transport.scale(&mut next.beta, Rgb::splat(1.0 / survival));
-            next.weight = next.weight.max(least);
+            transport.scale(&mut beta, Rgb::splat(1.0 / survival));
+            path.weight = path.weight.max(least);
         }
-        self.stack.push(next);
+        self.stack.push(Segment { path, beta });
     }
 
     /// Direct light of lamps.
-    fn aim_at_lamps<T: Transport<Beta = B>>(
-        &mut self,
-        transport: &mut T,
-        at: &mut Segment<B>,
-        vertex: &Vertex<T::Surface>,
-        counts: &[f64; 4],
-    ) {
-        let (world, surface) = (self.world, &vertex.surface);
+    fn aim_at_lamps<T: Transport<Beta = B>>(&mut self, transport: &mut T, at: &mut Path, vertex: &Vertex<T>, counts: &[f64; 4]) {
+        let (world, surface) = (self.world, &*vertex.surface);
         if world.lamps().is_empty() {
             return;
         }
@@ -313,7 +283,7 @@ impl<B: Clone> Integrator<'_, B> {
                 let mut sampler = at.sampler.fork();
                 form.parts(at.ray.origin, jitter, fraction, &mut || sampler.pair(), &mut |sample| {
                     let wi = surface.bsdf().to_local(sample.direction);
-                    let beta = transport.aimed(&at.beta, surface, wi, Arriving::Lamp(sample.omega), 1.0 / sample.omega, &[0.0; 4]);
+                    let beta = transport.aimed(vertex.beta, surface, wi, Arriving::Lamp(sample.omega), 1.0 / sample.omega, &[0.0; 4]);
                     self.shadow(transport, at, vertex.layer, beta, (sample.direction, sample.distance), Emitter::Lamp(lamp));
                 });
             }
@@ -327,7 +297,7 @@ impl<B: Clone> Integrator<'_, B> {
             count if count > 0.0 && sample.shared && surface.lamp_ratio(Part::ALL[k], wi).is_some() => count,
             _ => 0.0,
         });
-        let beta = transport.aimed(&at.beta, surface, wi, Arriving::Lamp(0.0), sample.pdf, &counts);
+        let beta = transport.aimed(vertex.beta, surface, wi, Arriving::Lamp(0.0), sample.pdf, &counts);
         self.shadow(transport, at, vertex.layer, beta, (sample.to.direction, sample.to.distance), Emitter::Lamp(sample.lamp));
     }
 
@@ -335,8 +305,8 @@ impl<B: Clone> Integrator<'_, B> {
     fn aim_at_environment<T: Transport<Beta = B>>(
         &mut self,
         transport: &mut T,
-        at: &mut Segment<B>,
-        vertex: &Vertex<T::Surface>,
+        at: &mut Path,
+        vertex: &Vertex<T>,
         ways: &Ways,
         unhidden: &mut Option<Unhidden>,
     ) {
@@ -349,7 +319,7 @@ impl<B: Clone> Integrator<'_, B> {
         if let Some(unhidden) = unhidden {
             unhidden.take(vertex.surface.bsdf(), wi);
         }
-        let beta = transport.aimed(&at.beta, &vertex.surface, wi, Arriving::Indirect, pdf, &ways.aims);
+        let beta = transport.aimed(vertex.beta, vertex.surface, wi, Arriving::Indirect, pdf, &ways.aims);
         self.shadow(transport, at, vertex.layer, beta, (direction, f64::INFINITY), Emitter::Environment);
     }
 
@@ -357,7 +327,7 @@ impl<B: Clone> Integrator<'_, B> {
     fn shadow<T: Transport<Beta = B>>(
         &mut self,
         transport: &mut T,
-        at: &Segment<B>,
+        at: &Path,
         layer: &Layer,
         beta: B,
         (direction, distance): (Vec3, f64),
@@ -367,12 +337,12 @@ impl<B: Clone> Integrator<'_, B> {
             return;
         }
         let ray = Ray { origin: at.ray.origin, direction };
-        let mut next = Segment { ray, beta, sampler: at.sampler.clone(), aim: Some(aim), kind: Kind::Shadow, ..at.clone() };
-        next = if direction.dot(layer.point.geometric) < 0.0 { next.beyond(layer) } else { next.free() };
-        if T::WATCHES || self.world.transparent() || distance < f64::INFINITY || next.limit < f64::INFINITY {
-            self.stack.push(next);
-        } else if !self.world.occluded(&next.ray) {
-            self.escape(transport, next);
+        let path = Path { ray, aim: Some(aim), kind: Kind::Shadow, ..*at };
+        let path = if direction.dot(layer.point.geometric) < 0.0 { self.beyond(path, layer) } else { path.free() };
+        if T::WATCHES || self.world.transparent() || distance < f64::INFINITY || path.limit < f64::INFINITY {
+            self.stack.push(Segment { path, beta });
+        } else if !self.world.occluded(&path.ray) {
+            self.escape(transport, &path, beta);
         }
     }
 }
@@ -382,23 +352,4 @@ struct At<'v> {
     part: Part,
     weight: f64,
     layer: &'v Layer<'v>,
-}
-
-impl<B> Segment<B> {
-    /// The same path with no end: what is reflected is not held by the limit of the ray before it.
-    fn free(mut self) -> Self {
-        self.limit = f64::INFINITY;
-        self
-    }
-
-    /// The same path on the other side of what it met.
-    pub(super) fn beyond(mut self, layer: &Layer) -> Self {
-        if layer.clip.is_some() {
-            self.clip.clone_from(&layer.clip);
-        }
-        if let Some(scattered) = self.scattered.as_mut().filter(|_| layer.shades) {
-            scattered.lamps = 0.0;
-        }
-        self
-    }
 }

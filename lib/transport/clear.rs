@@ -3,7 +3,7 @@
 //! Each channel of a picture depends on the transmissivity of that channel only. In a dielectric a path of length ℓ inside is dimmed by T^ℓ; a
 //! pane of glass reflects and transmits by the formula of its many inner reflections.
 
-use super::{LANES, Nodes};
+use super::{LANES, Nodes, decay};
 use crate::bsdf::{Arriving, Bsdf, Delta, Part, smooth::pane};
 use crate::color::Rgb;
 use crate::geometry::FAR;
@@ -101,12 +101,13 @@ impl Transport for Dimming<'_> {
         }
         let medium = Medium { transmissivity: Rgb::ONE, index: self.unknown.index };
         let material = if self.unknown.glass { Material::Glass(medium) } else { Material::Dielectric(medium) };
-        let mut bsdf = Bsdf::new(&material, &layer.point, layer.pattern, rules);
+        let bsdf = Bsdf::new(&material, &layer.point, layer.pattern, rules);
+        let mut surface = Surface { bsdf, unknown: true, pattern: layer.pattern };
         // What is refracted into a body goes on in the unknown.
-        if let (false, true, Some(delta)) = (self.unknown.glass, layer.point.front, &mut bsdf.deltas[1]) {
+        if let (false, true, Some(delta)) = (self.unknown.glass, layer.point.front, &mut surface.bsdf.deltas[1]) {
             delta.medium = Some(Inside { extinction: Rgb::ZERO, unknown: Some(medium.extinction(layer.pattern)) });
         }
-        Surface { bsdf, unknown: true, pattern: layer.pattern }
+        surface
     }
 
     fn aimed(&self, beta: &Beta, surface: &Surface, wi: Vec3, arriving: Arriving, pdf: f64, counts: &[f64; 4]) -> Beta {
@@ -141,7 +142,7 @@ impl Transport for Dimming<'_> {
         };
         beta.known *= Inside::of(patterns).transmittance(length);
         for (node, ln) in beta.nodes.iter_mut().zip(self.unknown.logarithms) {
-            *node *= (ln * length.min(FAR) as f32).exp();
+            *node *= decay(ln * length.min(FAR) as f32);
         }
     }
 

@@ -4,6 +4,7 @@
 //! roughness alone. So a picture is a polynomial in the coefficients of the lobes, whose terms are pictures. Roughness is sampled at a few
 //! nodes, all evaluated on the same directions. Choices on a path never depend on what is unknown.
 
+use super::lobes::{Alpha, Drawn, Gaussians, Lobes};
 use super::{LANES, Nodes};
 use crate::bsdf::{Arriving, Bsdf, Delta, Part, Point, lobe};
 use crate::color::Rgb;
@@ -18,9 +19,6 @@ use wide::f32x8;
 
 /// How often a path may meet the unknown. What is left out beyond is below .2 % on strongly concave objects.
 pub const ORDER: usize = 3;
-
-/// Squared roughnesses along the two tangents of the lobe.
-pub type Alpha = [f64; 2];
 
 /// The products of lobe coefficients that paths carry: how often each [`Part`] of the unknown was met, up to [`ORDER`] in all.
 #[derive(Clone, Debug)]
@@ -104,30 +102,19 @@ pub struct Rough {
     pub control: bool,
     /// Of a polished unknown, what its mirror reflects at the nodes, in lanes, apart from the Fresnel term.
     mirror: Option<Vec<f32x8>>,
-    /// The nodes in lanes: inverses of the two squared roughnesses, and of the root of their product. Lanes without a node are 0.
-    lanes: Vec<Lanes>,
-    /// The proposals, likewise.
-    drawn: Vec<Lanes>,
+    /// The nodes and the proposals.
+    lobes: Lobes,
 }
-
-/// Inverses of the two squared roughnesses, and of the root of their product.
-type Lanes = (f32x8, f32x8, f32x8);
 
 /// The most roughnesses of a basis.
 pub const MOST_NODES: usize = 8 * LANES;
-
-fn lanes(roughnesses: &[Alpha]) -> Vec<Lanes> {
-    let lane = |f: &dyn Fn(&Alpha) -> f64, chunk: &[Alpha]| f32x8::from(std::array::from_fn(|i| chunk.get(i).map_or(0.0, |a| f(a) as f32)));
-    let inverses = |c: &[Alpha]| (lane(&|a| 1.0 / a[0], c), lane(&|a| 1.0 / a[1], c), lane(&|a| 1.0 / (a[0] * a[1]).sqrt(), c));
-    roughnesses.chunks(LANES).map(inverses).collect()
-}
 
 impl Rough {
     /// A material explored at the roughnesses `nodes`, all on the same directions, drawn from the roughnesses `proposals`.
     pub fn new(material: MaterialId, metal: bool, transmits: bool, nodes: Vec<Alpha>, proposals: Vec<Alpha>) -> Self {
         let monomials = Monomials::new(transmits, nodes.len());
-        let (in_lanes, drawn) = (lanes(&nodes), lanes(&proposals));
-        Self { material, metal, transmits, nodes, proposals, monomials, guess: None, control: false, mirror: None, lanes: in_lanes, drawn }
+        let lobes = Lobes::new(&nodes, &proposals);
+        Self { material, metal, transmits, nodes, proposals, monomials, guess: None, control: false, mirror: None, lobes }
     }
 
     /// A polished material: a mirror that is explored at these reflectances, from 0 to 1. A product's picture is a polynomial of its reflectance,
@@ -140,26 +127,12 @@ impl Rough {
 
     /// Draws directions from these roughnesses from now on.
     pub fn propose(&mut self, proposals: Vec<Alpha>) {
-        self.drawn = lanes(&proposals);
+        self.lobes = Lobes::new(&self.nodes, &proposals);
         self.proposals = proposals;
     }
 }
 
 impl Rough {
-    /// The Gaussian densities of slopes at a half vector of any length, times π: of each node with this added to its squared roughnesses, and of
-    /// all proposals together.
-    fn gaussians<const L: usize>(&self, h: Vec3, widened: f32) -> (Nodes<L>, f32) {
-        let (x, y) = ((h.x * h.x / (h.z * h.z)) as f32, (h.y * h.y / (h.z * h.z)) as f32);
-        let gaussian = |&(u, v, area): &Lanes| (-(u * x + v * y)).exp() * area;
-        let wider = |&(u, v, _): &Lanes| {
-            let (u, v) = (u / (u * widened + 1.0), v / (v * widened + 1.0));
-            (u, v, (u * v).sqrt())
-        };
-        let node = |lanes: &Lanes| if widened == 0.0 { gaussian(lanes) } else { gaussian(&wider(lanes)) };
-        let nodes = std::array::from_fn(|l| self.lanes.get(l).map_or(f32x8::ZERO, node));
-        (nodes, self.drawn.iter().map(|lanes| gaussian(lanes).reduce_add()).sum())
-    }
-
     /// How much the choice of a way on counts each part: what it carries, as far as is known, but never so little that what it does carry comes in
     /// few samples that weigh much.
     fn weights(&self) -> [f64; 4] {
@@ -213,9 +186,9 @@ pub(super) struct Tagging<'a, const L: usize> {
 }
 
 /// Scattering at a known surface, or at the unknown.
-pub(super) enum Surface<'a> {
+pub(super) enum Surface<'a, const L: usize> {
     Known(Bsdf),
-    Unknown { shape: Bsdf, pattern: Rgb, unknown: &'a Rough, polish: Option<Box<Polish>> },
+    Unknown { shape: Bsdf, pattern: Rgb, unknown: &'a Rough, polish: Option<Box<Polish>>, drawn: Drawn<L> },
 }
 
 /// What is special where the unknown is polished.
@@ -225,6 +198,9 @@ pub(super) struct Polish {
     /// The mirror's direction, and straight on.
     deltas: [Option<Delta>; 2],
 }
+
+/// A lobe that is sampled in more ways than these has no control variate.
+const MOST_CONTROLLED: usize = 4;
 
 /// What a part of the unknown counts for in the choice of a way on where nothing is known of it; and the least, in terms of the largest.
 const UNKNOWN_SHARE: f64 = 0.5;
@@ -251,28 +227,30 @@ impl<const L: usize> Tagging<'_, L> {
             Arriving::Indirect => 0.0,
         };
         if part == Part::SpecularReflection {
-            let (wo, h) = (shape.viewer(), shape.viewer() + wi);
-            let (nodes, drawn) = self.unknown.gaussians::<L>(h, widened as f32);
-            let tilt = if arriving == Arriving::Indirect { shape.tilt(wi) } else { 1.0 };
-            let scale = (tilt * lobe::beside_gaussian(self.rules.lobe, wo, wi)) as f32;
-            (nodes.map(|n| n * scale), drawn as f64 * lobe::density_beside_gaussian(h))
-        } else {
-            let at = |alpha: Alpha| lobe::transmission_pdf(alpha, shape.straight(), wi);
-            let nodes = |f: &dyn Fn(Alpha) -> f64| {
-                std::array::from_fn(|l| {
-                    f32x8::from(std::array::from_fn(|i| self.unknown.nodes.get(l * LANES + i).map_or(0.0, |&alpha| f(alpha) as f32)))
-                })
-            };
-            let values: Nodes<L> = match arriving {
-                Arriving::Lamp(_) => nodes(&|alpha| lobe::transmission(alpha.map(|a| a + widened), shape.straight(), shape.viewer(), wi)),
-                Arriving::Indirect => nodes(&at),
-            };
-            (values, self.unknown.proposals.iter().map(|&alpha| at(alpha)).sum())
+            return self.reflection(shape, wi, arriving, self.unknown.lobes.at(shape.viewer() + wi, widened as f32));
         }
+        let at = |alpha: Alpha| lobe::transmission_pdf(alpha, shape.straight(), wi);
+        let nodes = |f: &dyn Fn(Alpha) -> f64| {
+            std::array::from_fn(|l| {
+                f32x8::from(std::array::from_fn(|i| self.unknown.nodes.get(l * LANES + i).map_or(0.0, |&alpha| f(alpha) as f32)))
+            })
+        };
+        let values: Nodes<L> = match arriving {
+            Arriving::Lamp(_) => nodes(&|alpha| lobe::transmission(alpha.map(|a| a + widened), shape.straight(), shape.viewer(), wi)),
+            Arriving::Indirect => nodes(&at),
+        };
+        (values, self.unknown.proposals.iter().map(|&alpha| at(alpha)).sum())
+    }
+
+    /// The same of the reflected lobe, where its densities are known.
+    fn reflection(&self, shape: &Bsdf, wi: Vec3, arriving: Arriving, Gaussians { nodes, proposed }: Gaussians<L>) -> (Nodes<L>, f64) {
+        let tilt = if arriving == Arriving::Indirect { shape.tilt(wi) } else { 1.0 };
+        let scale = (tilt * lobe::beside_gaussian(self.rules.lobe, shape.viewer(), wi)) as f32;
+        (nodes.map(|n| n * scale), proposed * lobe::density_beside_gaussian(shape.viewer() + wi))
     }
 
     /// The first term of a throughput, after meeting a part of the unknown that makes `lobes` of it at each group of nodes.
-    fn met(&self, beta: &Beta<L>, surface: &Surface, part: Part, lobes: impl Fn(usize) -> f32x8) -> Option<Term<L>> {
+    fn met(&self, beta: &Beta<L>, surface: &Surface<L>, part: Part, lobes: impl Fn(usize) -> f32x8) -> Option<Term<L>> {
         let (Surface::Unknown { pattern, unknown, polish, .. }, Some(term)) = (surface, beta.terms[0]) else { return None };
         let (monomial, guess) = unknown.meet(term.monomial, part)?;
         let guess = polish.as_ref().map_or(guess, |polish| guess * (1.0 - polish.fresnel));
@@ -281,7 +259,7 @@ impl<const L: usize> Tagging<'_, L> {
     }
 
     /// What the first term of a throughput is behind a mirror, or straight through it.
-    fn mirrored(&self, beta: &Beta<L>, surface: &Surface, polish: &Polish, delta: &Delta) -> Option<Term<L>> {
+    fn mirrored(&self, beta: &Beta<L>, surface: &Surface<L>, polish: &Polish, delta: &Delta) -> Option<Term<L>> {
         let (Surface::Unknown { pattern, unknown, .. }, Some(mirror), Some(term)) = (surface, &self.unknown.mirror, beta.terms[0]) else {
             return None;
         };
@@ -311,7 +289,7 @@ impl<const L: usize> Tagging<'_, L> {
 
 impl<'a, const L: usize> Transport for Tagging<'a, L> {
     type Beta = Beta<L>;
-    type Surface = Surface<'a>;
+    type Surface = Surface<'a, L>;
 
     fn start(&self) -> Beta<L> {
         Beta { terms: [Some(Term { monomial: 0, known: Rgb::ONE, lobes: [f32x8::ONE; L] }), None] }
@@ -322,21 +300,21 @@ impl<'a, const L: usize> Transport for Tagging<'a, L> {
     }
 
     fn size(&self, beta: &Beta<L>) -> f64 {
-        let term =
-            |t: &Term<L>| t.known.abs().max_element() * t.lobes.iter().fold(0f32, |m, v| v.to_array().into_iter().fold(m, f32::max)) as f64;
+        let largest = |lobes: &Nodes<L>| lobes.iter().fold(f32x8::ZERO, |m, &v| m.fast_max(v)).to_array().into_iter().fold(0.0, f32::max);
+        let term = |t: &Term<L>| t.known.abs().max_element() * largest(&t.lobes) as f64;
         beta.terms.iter().flatten().map(term).fold(0.0, f64::max)
     }
 
-    fn surface(&self, layer: &Layer, rules: &Rules) -> Surface<'a> {
+    fn surface(&self, layer: &Layer, rules: &Rules) -> Surface<'a, L> {
         if layer.id != self.unknown.material || layer.material.is_none() {
             return Surface::Known(layer.bsdf(rules));
         }
         let shape = layer.bsdf(rules);
         let polish = self.unknown.mirror.is_some().then(|| Box::new(self.unknown.polish(&shape, &layer.point, rules)));
-        Surface::Unknown { shape, pattern: layer.pattern, unknown: self.unknown, polish }
+        Surface::Unknown { shape, pattern: layer.pattern, unknown: self.unknown, polish, drawn: Drawn::NONE }
     }
 
-    fn aimed(&self, beta: &Beta<L>, surface: &Surface, wi: Vec3, arriving: Arriving, pdf: f64, counts: &[f64; 4]) -> Beta<L> {
+    fn aimed(&self, beta: &Beta<L>, surface: &Surface<L>, wi: Vec3, arriving: Arriving, pdf: f64, counts: &[f64; 4]) -> Beta<L> {
         match surface {
             Surface::Known(bsdf) => self.known(beta, bsdf, wi, arriving, &bsdf.balance(wi, arriving, pdf, counts)),
             Surface::Unknown { shape, .. } => {
@@ -363,14 +341,17 @@ impl<'a, const L: usize> Transport for Tagging<'a, L> {
         }
     }
 
-    fn drawn(&self, beta: &Beta<L>, surface: &Surface, wi: Vec3, part: Part, _: usize, count: f64) -> (Beta<L>, f64) {
+    fn drawn(&self, beta: &Beta<L>, surface: &Surface<L>, wi: Vec3, part: Part, _: usize, count: f64) -> (Beta<L>, f64) {
         match surface {
             Surface::Known(bsdf) => {
                 let density = count * bsdf.pdf(part, wi);
                 (self.known(beta, bsdf, wi, Arriving::Indirect, &part.alone(1.0 / density)), density)
             }
-            Surface::Unknown { shape, .. } => {
-                let (values, density) = self.shape(shape, part, wi, Arriving::Indirect);
+            Surface::Unknown { shape, drawn, .. } => {
+                let (values, density) = match part {
+                    Part::SpecularReflection => self.reflection(shape, wi, Arriving::Indirect, drawn.last),
+                    _ => self.shape(shape, part, wi, Arriving::Indirect),
+                };
                 let density = count * density;
                 let scale = (1.0 / density) as f32;
                 let term = self.met(beta, surface, part, |l| values[l] * scale);
@@ -381,20 +362,19 @@ impl<'a, const L: usize> Transport for Tagging<'a, L> {
 
     /// What the densities of the nodes' lobes were sampled with adds up to one only on the average. Where light is the same all over the lobe
     /// this is all the noise there is, most of that in what depends on the roughness; the light of one direction more takes it away.
-    fn control(&self, beta: &Beta<L>, surface: &Surface, part: Part, us: &[[f64; 2]]) -> Option<Beta<L>> {
-        let Surface::Unknown { shape, unknown, .. } = surface else { return None };
-        if part != Part::SpecularReflection || !unknown.control {
+    fn control(&self, beta: &Beta<L>, surface: &Surface<L>, part: Part, count: f64) -> Option<(Beta<L>, Vec3, f64)> {
+        let Surface::Unknown { shape, unknown, drawn, .. } = surface else { return None };
+        if part != Part::SpecularReflection || !unknown.control || unknown.proposals.len() > MOST_CONTROLLED {
             return None;
         }
-        let mut left: Nodes<L> = [f32x8::ONE; L];
-        for (u, &proposal) in us.iter().zip(&unknown.proposals) {
-            let (nodes, drawn) = unknown.gaussians::<L>(shape.viewer() + lobe::sample_reflection(proposal, shape.viewer(), *u), 0.0);
-            left.iter_mut().zip(nodes).for_each(|(left, node)| *left -= node * (1.0 / drawn));
-        }
-        Some(Beta { terms: [self.met(beta, surface, part, |l| left[l]), None] })
+        // What is seen along the middle of the lobe is the best guess at what is seen within it.
+        let wo = shape.viewer();
+        let wi = Vec3::new(-wo.x, -wo.y, wo.z);
+        let density = unknown.lobes.most_proposed() * lobe::density_beside_gaussian(wo + wi);
+        shape.passes(wi).then(|| (Beta { terms: [self.met(beta, surface, part, |l| drawn.left[l]), None] }, wi, count * density))
     }
 
-    fn ambient(&self, beta: &Beta<L>, surface: &Surface, side: usize) -> Beta<L> {
+    fn ambient(&self, beta: &Beta<L>, surface: &Surface<L>, side: usize) -> Beta<L> {
         match surface {
             Surface::Known(bsdf) => {
                 let mut beta = beta.clone();
@@ -415,7 +395,7 @@ impl<'a, const L: usize> Transport for Tagging<'a, L> {
         }
     }
 
-    fn follow(&self, beta: &Beta<L>, surface: &Surface, delta: &Delta) -> Beta<L> {
+    fn follow(&self, beta: &Beta<L>, surface: &Surface<L>, delta: &Delta) -> Beta<L> {
         if let Surface::Unknown { polish: Some(polish), .. } = surface {
             return Beta { terms: [self.mirrored(beta, surface, polish, delta), None] };
         }
@@ -449,7 +429,7 @@ impl<'a, const L: usize> Transport for Tagging<'a, L> {
     }
 }
 
-impl Scattering for Surface<'_> {
+impl<const L: usize> Scattering for Surface<'_, L> {
     fn bsdf(&self) -> &Bsdf {
         match self {
             Self::Known(shape) | Self::Unknown { shape, .. } => shape,
@@ -477,12 +457,16 @@ impl Scattering for Surface<'_> {
         }
     }
 
-    fn sample(&self, part: Part, way: usize, u: [f64; 2]) -> Option<Vec3> {
+    fn sample(&mut self, part: Part, way: usize, u: [f64; 2]) -> Option<Vec3> {
         match self {
-            Self::Unknown { shape, unknown, .. } if !part.diffuse() => {
-                let wi = match part {
-                    Part::SpecularReflection => lobe::sample_reflection(unknown.proposals[way], shape.viewer(), u),
-                    _ => lobe::sample_transmission(unknown.proposals[way], shape.straight(), u),
+            Self::Unknown { shape, unknown, drawn, .. } if !part.diffuse() => {
+                let proposal = unknown.proposals[way];
+                let wi = if part == Part::SpecularReflection {
+                    let wi = lobe::sample_reflection(proposal, shape.viewer(), u);
+                    drawn.take(unknown.lobes.at(shape.viewer() + wi, 0.0));
+                    wi
+                } else {
+                    lobe::sample_transmission(proposal, shape.straight(), u)
                 };
                 (shape.passes(wi) && (wi.z < 0.0) as usize == part.side()).then_some(wi)
             }

@@ -108,7 +108,7 @@ impl<S: Scattering> Scattering for Surface<S> {
     fn ways(&self, part: Part) -> usize {
         self.guide.ways(part)
     }
-    fn sample(&self, part: Part, way: usize, u: [f64; 2]) -> Option<Vec3> {
+    fn sample(&mut self, part: Part, way: usize, u: [f64; 2]) -> Option<Vec3> {
         self.guide.sample(part, way, u)
     }
     fn lamp_ratio(&self, part: Part, wi: Vec3) -> Option<f64> {
