@@ -232,7 +232,7 @@ impl<'a, B: Clone> Integrator<'a, B> {
         let ray = Ray { origin: point, direction: -normal };
         let layer = self.world.collector(&ray, point);
         let path = self.primary(ray, f64::INFINITY, sampler);
-        self.scatter(transport, path, &transport.start(), &layer);
+        self.scatter(transport, &path, &transport.start(), &layer);
         self.run(transport)
     }
 
@@ -322,7 +322,7 @@ impl<'a, B: Clone> Integrator<'a, B> {
             ..*path
         };
         if layer.material.is_some() {
-            return self.scatter(transport, onward, &beta, layer);
+            return self.scatter(transport, &onward, &beta, layer);
         }
         let path = self.beyond(Path { kind: Kind::Passed, ..onward }, layer);
         self.stack.push(Segment { path, beta });

@@ -6,14 +6,22 @@ use crate::bsdf::{Arriving, Bsdf, Delta, Part, lobe};
 use crate::color::Rgb;
 use crate::geometry::Ray;
 use crate::rules::UNWEIGHTED;
+use crate::sampling::Sampler;
 use crate::vector::Vec3;
 use crate::world::{Emitter, Layer};
 
-/// A surface that a path has come to, and what the path carries.
+/// A surface that a path has come to.
 struct Vertex<'v, T: Transport> {
     surface: &'v mut T::Surface,
     layer: &'v Layer<'v>,
+    /// The path, as if it began here, with the direction it came with.
+    at: &'v Path,
+    /// What it carries.
     beta: &'v T::Beta,
+    /// What decides how it goes on.
+    sampler: Sampler,
+    /// Whether no direction was random, here neither.
+    exact: bool,
 }
 
 /// How paths go on from a surface. The ways are: its two deltas, its four parts.
@@ -38,13 +46,13 @@ impl Ways {
 
 impl<B: Clone> Integrator<'_, B> {
     /// Scattering at a surface: `at` begins there, with the direction it came with.
-    pub(super) fn scatter<T: Transport<Beta = B>>(&mut self, transport: &mut T, mut at: Path, beta: &B, layer: &Layer) {
+    pub(super) fn scatter<T: Transport<Beta = B>>(&mut self, transport: &mut T, at: &Path, beta: &B, layer: &Layer) {
         let mut surface = transport.surface(layer, self.rules);
-        let mut vertex: Vertex<T> = Vertex { surface: &mut surface, layer, beta };
+        let mut vertex: Vertex<T> = Vertex { surface: &mut surface, layer, at, beta, sampler: at.sampler, exact: at.exact };
         if at.aim.is_some() {
             let way = layer.relay.is_none() as usize;
-            if let Some(delta) = &vertex.surface.deltas()[way] {
-                let (mut path, beta) = self.after(transport, &mut at, &vertex, delta);
+            if let Some(delta) = vertex.surface.deltas()[way] {
+                let (mut path, beta) = self.after(transport, &mut vertex, &delta);
                 path.weight *= delta.coefficient.max_element().min(1.0);
                 if let Some(lamp) = layer.relay {
                     path.aim = Some(Emitter::Lamp(lamp));
@@ -53,13 +61,13 @@ impl<B: Clone> Integrator<'_, B> {
             }
             return;
         }
-        let ways = self.ways(transport, &mut at, &vertex);
-        self.aim_at_lamps(transport, &mut at, &vertex, &ways.aims);
-        let mut unhidden = if at.exact { Unhidden::new(self.world, at.ray.origin, &ways.weights, &ways.counts) } else { None };
-        self.aim_at_environment(transport, &mut at, &vertex, &ways, &mut unhidden);
+        let ways = self.ways(transport, &mut vertex);
+        self.aim_at_lamps(transport, &mut vertex, &ways.aims);
+        let mut unhidden = if vertex.exact { Unhidden::new(self.world, at.ray.origin, &ways.weights, &ways.counts) } else { None };
+        self.aim_at_environment(transport, &mut vertex, &ways, &mut unhidden);
         for part in Part::ALL {
             if ways.weights[part as usize] > 0.0 && ways.take(2 + part as usize) {
-                self.gather(transport, &mut at, &mut vertex, part, &ways, &mut unhidden);
+                self.gather(transport, &mut vertex, part, &ways, &mut unhidden);
             }
         }
         for side in 0..2 {
@@ -68,15 +76,15 @@ impl<B: Clone> Integrator<'_, B> {
             }
         }
         for side in 0..2 {
-            if let Some(delta) = vertex.surface.deltas()[side].as_ref().filter(|_| ways.take(side)) {
-                self.follow(transport, &mut at, &vertex, delta, ways.share[side]);
+            if let Some(delta) = vertex.surface.deltas()[side].as_ref().filter(|_| ways.take(side)).copied() {
+                self.follow(transport, &mut vertex, &delta, ways.share[side]);
             }
         }
     }
 
     /// How to go on from a surface: in every way there is while nothing was left to chance, else in one, chosen in proportion to what it carries.
-    fn ways<T: Transport<Beta = B>>(&mut self, transport: &mut T, at: &mut Path, vertex: &Vertex<T>) -> Ways {
-        let surface = &*vertex.surface;
+    fn ways<T: Transport<Beta = B>>(&mut self, transport: &mut T, vertex: &mut Vertex<T>) -> Ways {
+        let (surface, at) = (&*vertex.surface, vertex.at);
         let mut ways = Ways { weights: surface.weights(), counts: [0.0; 4], aims: [0.0; 4], share: [1.0; 6], chosen: None };
         if at.bounces >= self.rules.ambient_bounces || !vertex.layer.gathers {
             for side in 0..2 {
@@ -85,19 +93,19 @@ impl<B: Clone> Integrator<'_, B> {
                 }
             }
         }
-        if !at.exact {
+        if !vertex.exact {
             let deltas = surface.deltas().map(|d| d.map_or(0.0, |d| d.coefficient.max_element()));
             let carried = std::array::from_fn(|i| if i < 2 { deltas[i] } else { ways.weights[i - 2] });
             let total: f64 = carried.iter().sum();
             if total > 0.0 {
                 ways.share = carried.map(|c| c / total);
-                ways.chosen = Some(self.choose(at, &ways.share));
+                ways.chosen = Some(self.choose(&mut vertex.sampler, &ways.share));
             }
         }
         for part in Part::ALL {
             let k = part as usize;
             if ways.weights[k] > 0.0 && self.spread(part, surface.bsdf()).is_none() {
-                ways.counts[k] = if at.exact { 1.0 } else { ways.share[2 + k] / surface.ways(part) as f64 };
+                ways.counts[k] = if vertex.exact { 1.0 } else { ways.share[2 + k] / surface.ways(part) as f64 };
             }
         }
         ways.aims = ways.counts;
@@ -108,8 +116,8 @@ impl<B: Clone> Integrator<'_, B> {
     }
 
     /// One of several ways, with these probabilities.
-    fn choose(&mut self, at: &mut Path, share: &[f64; 6]) -> usize {
-        let mut u = self.draw(at)[0];
+    fn choose(&mut self, sampler: &mut Sampler, share: &[f64; 6]) -> usize {
+        let mut u = self.draw(sampler)[0];
         let last = share.iter().rposition(|&s| s > 0.0).unwrap_or(0);
         share[..last]
             .iter()
@@ -121,9 +129,9 @@ impl<B: Clone> Integrator<'_, B> {
     }
 
     /// Two random numbers.
-    fn draw(&mut self, at: &mut Path) -> [f64; 2] {
+    fn draw(&mut self, sampler: &mut Sampler) -> [f64; 2] {
         self.outcome.random = true;
-        at.sampler.pair()
+        sampler.pair()
     }
 
     /// The narrowing of a lobe that RADIANCE's unweighted rule samples; `None` where the lobe itself is integrated.
@@ -143,58 +151,62 @@ impl<B: Clone> Integrator<'_, B> {
     fn gather<T: Transport<Beta = B>>(
         &mut self,
         transport: &mut T,
-        at: &mut Path,
         vertex: &mut Vertex<T>,
         part: Part,
         ways: &Ways,
         unhidden: &mut Option<Unhidden>,
     ) {
-        let (k, Vertex { surface, layer, beta }) = (part as usize, vertex);
-        let next = At { part, weight: self.factor(ways.weights[k], ways.share[2 + k]), layer };
-        let mut from = Scattered { origin: at.ray.origin, direction: Vec3::ZERO, density: 0.0, lamps: 0.0, shared: false };
-        if let Some(spread) = self.spread(part, surface.bsdf()) {
-            let mut sampler = at.sampler.fork();
-            if let Some((wi, color)) = surface.bsdf().unweighted(part, spread, &mut sampler) {
-                let mut beta = beta.clone();
+        let k = part as usize;
+        let weight = self.factor(ways.weights[k], ways.share[2 + k]);
+        let mut from = Scattered { origin: vertex.at.ray.origin, direction: Vec3::ZERO, density: 0.0, lamps: 0.0, shared: false };
+        if let Some(spread) = self.spread(part, vertex.surface.bsdf()) {
+            let mut sampler = vertex.sampler.fork();
+            if let Some((wi, color)) = vertex.surface.bsdf().unweighted(part, spread, &mut sampler) {
+                let mut beta = vertex.beta.clone();
                 transport.scale(&mut beta, color / ways.share[2 + k]);
-                from.direction = surface.bsdf().to_world(wi);
+                from.direction = vertex.surface.bsdf().to_world(wi);
                 self.outcome.random |= spread > 0.0;
-                at.exact &= spread == 0.0;
-                self.send(transport, at, beta, from, &next);
+                vertex.exact &= spread == 0.0;
+                let next = Next { part, weight, exact: vertex.exact };
+                self.send(transport, vertex, beta, from, &next);
             }
             return;
         }
-        let count = surface.ways(part);
-        let only = if at.exact || count == 1 { None } else { Some(((self.draw(at)[0] * count as f64) as usize).min(count - 1)) };
+        let next = Next { part, weight, exact: false };
+        let count = vertex.surface.ways(part);
+        let only = if vertex.exact || count == 1 {
+            None
+        } else {
+            Some(((self.draw(&mut vertex.sampler)[0] * count as f64) as usize).min(count - 1))
+        };
         from.shared = ways.aims[k] > 0.0;
         let mut other = None;
         for way in (0..count).filter(|&w| only.is_none_or(|o| o == w)) {
             // Two ways look to opposite sides of the lobe: what only tilts across it cancels (Hammersley and Morton 1956).
             let u = other.take().unwrap_or_else(|| {
-                let u = self.draw(at);
+                let u = self.draw(&mut vertex.sampler);
                 other = Some(lobe::opposite(u));
                 u
             });
             if let (true, Some(unhidden)) = (part.diffuse(), &mut *unhidden) {
-                unhidden.take(surface.bsdf(), part.lambert(u));
+                unhidden.take(vertex.surface.bsdf(), part.lambert(u));
             }
-            let Some(wi) = surface.sample(part, way, u) else { continue };
-            from.direction = surface.bsdf().to_world(wi);
-            from.lamps =
-                if self.rules.light_jitter.is_none() && ways.aims[k] > 0.0 { surface.lamp_ratio(part, wi).unwrap_or(0.0) } else { 0.0 };
+            let Some(wi) = vertex.surface.sample(part, way, u) else { continue };
+            from.direction = vertex.surface.bsdf().to_world(wi);
+            from.lamps = if self.rules.light_jitter.is_none() && ways.aims[k] > 0.0 {
+                vertex.surface.lamp_ratio(part, wi).unwrap_or(0.0)
+            } else {
+                0.0
+            };
             let carried;
-            (carried, from.density) = transport.drawn(beta, surface, wi, part, way, ways.counts[k]);
-            let exact = std::mem::take(&mut at.exact);
-            self.send(transport, at, carried, from, &next);
-            at.exact = exact;
+            (carried, from.density) = transport.drawn(vertex.beta, vertex.surface, wi, part, way, ways.counts[k]);
+            self.send(transport, vertex, carried, from, &next);
         }
-        if at.exact
-            && let Some((carried, wi, density)) = transport.control(beta, surface, part, ways.counts[k])
+        if vertex.exact
+            && let Some((carried, wi, density)) = transport.control(vertex.beta, vertex.surface, part, ways.counts[k])
         {
-            (from.direction, from.density, from.lamps) = (surface.bsdf().to_world(wi), density, 0.0);
-            at.exact = false;
-            self.send(transport, at, carried, from, &next);
-            at.exact = true;
+            (from.direction, from.density, from.lamps) = (vertex.surface.bsdf().to_world(wi), density, 0.0);
+            self.send(transport, vertex, carried, from, &next);
         }
     }
 
@@ -205,28 +217,36 @@ impl<B: Clone> Integrator<'_, B> {
     }
 
     /// Sends a path on from a rough surface.
-    fn send<T: Transport<Beta = B>>(&mut self, transport: &mut T, at: &mut Path, beta: B, from: Scattered, next: &At) {
-        let sampler = at.sampler.fork();
-        let ray = Ray { origin: at.ray.origin, direction: from.direction };
-        let bounces = at.bounces + next.part.diffuse() as u32;
+    fn send<T: Transport<Beta = B>>(&mut self, transport: &mut T, vertex: &mut Vertex<T>, beta: B, from: Scattered, next: &Next) {
+        let at = vertex.at;
+        let path = Path {
+            ray: Ray { origin: at.ray.origin, direction: from.direction },
+            sampler: vertex.sampler.fork(),
+            bounces: at.bounces + next.part.diffuse() as u32,
+            scattered: Some(from),
+            exact: next.exact,
+            kind: Kind::Scattered,
+            ..*at
+        };
         let reflected = next.part.side() == 0;
-        let path = Path { ray, sampler, bounces, scattered: Some(from), kind: Kind::Scattered, ..*at };
-        let path = if reflected { path.free() } else { self.beyond(path, next.layer) };
+        let path = if reflected { path.free() } else { self.beyond(path, vertex.layer) };
         self.push(transport, path, beta, next.weight, reflected);
     }
 
     /// The path behind a direction that is scattered into alone, and what it carries.
-    fn after<T: Transport<Beta = B>>(&mut self, transport: &T, at: &mut Path, vertex: &Vertex<T>, delta: &Delta) -> (Path, B) {
+    fn after<T: Transport<Beta = B>>(&mut self, transport: &T, vertex: &mut Vertex<T>, delta: &Delta) -> (Path, B) {
         let kind = if delta.reflected { Kind::Reflected } else { Kind::Transmitted };
         let beta = transport.follow(vertex.beta, vertex.surface, delta);
+        let at = vertex.at;
         let ray = Ray { origin: at.ray.origin, direction: delta.direction };
-        let path = Path { ray, sampler: at.sampler.fork(), medium: delta.medium.unwrap_or(at.medium), kind, ..*at };
+        let path =
+            Path { ray, sampler: vertex.sampler.fork(), medium: delta.medium.unwrap_or(at.medium), exact: vertex.exact, kind, ..*at };
         (if delta.reflected { path.free() } else { self.beyond(path, vertex.layer) }, beta)
     }
 
     /// Follows a direction that is scattered into alone, taken with probability `share`.
-    fn follow<T: Transport<Beta = B>>(&mut self, transport: &mut T, at: &mut Path, vertex: &Vertex<T>, delta: &Delta, share: f64) {
-        let (mut path, mut beta) = self.after(transport, at, vertex, delta);
+    fn follow<T: Transport<Beta = B>>(&mut self, transport: &mut T, vertex: &mut Vertex<T>, delta: &Delta, share: f64) {
+        let (mut path, mut beta) = self.after(transport, vertex, delta);
         if share != 1.0 {
             transport.scale(&mut beta, Rgb::splat(1.0 / share));
         }
@@ -272,63 +292,62 @@ impl<B: Clone> Integrator<'_, B> {
     }
 
     /// Direct light of lamps.
-    fn aim_at_lamps<T: Transport<Beta = B>>(&mut self, transport: &mut T, at: &mut Path, vertex: &Vertex<T>, counts: &[f64; 4]) {
-        let (world, surface) = (self.world, &*vertex.surface);
+    fn aim_at_lamps<T: Transport<Beta = B>>(&mut self, transport: &mut T, vertex: &mut Vertex<T>, counts: &[f64; 4]) {
+        let (world, at) = (self.world, vertex.at);
         if world.lamps().is_empty() {
             return;
         }
         if let Some(jitter) = self.rules.light_jitter {
             let fraction = self.rules.light_division / at.weight;
             for (lamp, form) in world.lamps().iter().enumerate() {
-                let mut sampler = at.sampler.fork();
+                let mut sampler = vertex.sampler.fork();
                 form.parts(at.ray.origin, jitter, fraction, &mut || sampler.pair(), &mut |sample| {
-                    let wi = surface.bsdf().to_local(sample.direction);
-                    let beta = transport.aimed(vertex.beta, surface, wi, Arriving::Lamp(sample.omega), 1.0 / sample.omega, &[0.0; 4]);
-                    self.shadow(transport, at, vertex.layer, beta, (sample.direction, sample.distance), Emitter::Lamp(lamp));
+                    let wi = vertex.surface.bsdf().to_local(sample.direction);
+                    let beta =
+                        transport.aimed(vertex.beta, vertex.surface, wi, Arriving::Lamp(sample.omega), 1.0 / sample.omega, &[0.0; 4]);
+                    self.shadow(transport, vertex, beta, (sample.direction, sample.distance), Emitter::Lamp(lamp));
                 });
             }
             self.outcome.random |= jitter > 0.0;
             return;
         }
-        let (u, v) = (self.draw(at), self.draw(at));
+        let (u, v) = (self.draw(&mut vertex.sampler), self.draw(&mut vertex.sampler));
         let Some(sample) = world.sample_lamp(at.ray.origin, v[0], u) else { return };
-        let wi = surface.bsdf().to_local(sample.to.direction);
+        let wi = vertex.surface.bsdf().to_local(sample.to.direction);
         let counts = std::array::from_fn(|k| match counts[k] {
-            count if count > 0.0 && sample.shared && surface.lamp_ratio(Part::ALL[k], wi).is_some() => count,
+            count if count > 0.0 && sample.shared && vertex.surface.lamp_ratio(Part::ALL[k], wi).is_some() => count,
             _ => 0.0,
         });
-        let beta = transport.aimed(vertex.beta, surface, wi, Arriving::Lamp(0.0), sample.pdf, &counts);
-        self.shadow(transport, at, vertex.layer, beta, (sample.to.direction, sample.to.distance), Emitter::Lamp(sample.lamp));
+        let beta = transport.aimed(vertex.beta, vertex.surface, wi, Arriving::Lamp(0.0), sample.pdf, &counts);
+        self.shadow(transport, vertex, beta, (sample.to.direction, sample.to.distance), Emitter::Lamp(sample.lamp));
     }
 
     /// Light of the environment, for the parts that gather it.
     fn aim_at_environment<T: Transport<Beta = B>>(
         &mut self,
         transport: &mut T,
-        at: &mut Path,
-        vertex: &Vertex<T>,
+        vertex: &mut Vertex<T>,
         ways: &Ways,
         unhidden: &mut Option<Unhidden>,
     ) {
         if ways.aims == [0.0; 4] || !self.world.has_environment() {
             return;
         }
-        let u = self.draw(at);
-        let Some((direction, pdf)) = self.world.sample_environment(at.ray.origin, u) else { return };
+        let u = self.draw(&mut vertex.sampler);
+        let Some((direction, pdf)) = self.world.sample_environment(vertex.at.ray.origin, u) else { return };
         let wi = vertex.surface.bsdf().to_local(direction);
         if let Some(unhidden) = unhidden {
             unhidden.take(vertex.surface.bsdf(), wi);
         }
         let beta = transport.aimed(vertex.beta, vertex.surface, wi, Arriving::Indirect, pdf, &ways.aims);
-        self.shadow(transport, at, vertex.layer, beta, (direction, f64::INFINITY), Emitter::Environment);
+        self.shadow(transport, vertex, beta, (direction, f64::INFINITY), Emitter::Environment);
     }
 
     /// Sends a shadow ray in a direction, to something at a distance. Where nothing is transparent it is settled at once.
     fn shadow<T: Transport<Beta = B>>(
         &mut self,
         transport: &mut T,
-        at: &Path,
-        layer: &Layer,
+        vertex: &Vertex<T>,
         beta: B,
         (direction, distance): (Vec3, f64),
         aim: Emitter,
@@ -336,9 +355,10 @@ impl<B: Clone> Integrator<'_, B> {
         if transport.size(&beta) == 0.0 {
             return;
         }
+        let at = vertex.at;
         let ray = Ray { origin: at.ray.origin, direction };
-        let path = Path { ray, aim: Some(aim), kind: Kind::Shadow, ..*at };
-        let path = if direction.dot(layer.point.geometric) < 0.0 { self.beyond(path, layer) } else { path.free() };
+        let path = Path { ray, sampler: vertex.sampler, exact: vertex.exact, aim: Some(aim), kind: Kind::Shadow, ..*at };
+        let path = if direction.dot(vertex.layer.point.geometric) < 0.0 { self.beyond(path, vertex.layer) } else { path.free() };
         if T::WATCHES || self.world.transparent() || distance < f64::INFINITY || path.limit < f64::INFINITY {
             self.stack.push(Segment { path, beta });
         } else if !self.world.occluded(&path.ray) {
@@ -347,9 +367,9 @@ impl<B: Clone> Integrator<'_, B> {
     }
 }
 
-/// How a path leaves a rough surface: by which part, with which factor on its weight, from which layer.
-struct At<'v> {
+/// How a path leaves a rough surface: by which part, with which factor on its weight, and whether its direction is not random.
+struct Next {
     part: Part,
     weight: f64,
-    layer: &'v Layer<'v>,
+    exact: bool,
 }
