@@ -188,8 +188,17 @@ impl Kind {
         }
     }
 
+    /// The values at a hit. What most environments are, a picture by the direction of a ray, is looked up without further ado.
     #[inline]
     fn values(&self, frame: &Frame, at: &At) -> std::result::Result<Vec3, Failed> {
+        if let Self::Picture(raster, Mapping::LatLong(mapping), Apply::AtLeastZero) = self {
+            return Ok(Vec3::from_array(raster.value(mapping.place(frame.direction(at)))).max(Vec3::ZERO));
+        }
+        self.general(frame, at)
+    }
+
+    #[inline(never)]
+    fn general(&self, frame: &Frame, at: &At) -> std::result::Result<Vec3, Failed> {
         match self {
             Self::Constant(values) => Ok(*values),
             Self::Picture(raster, mapping, apply) => {
@@ -220,7 +229,6 @@ fn place(coordinates: &Program, context: &Context, dimensions: usize) -> std::re
 }
 
 impl Apply {
-    #[inline]
     fn to(&self, values: [f64; 3], ray: impl FnOnce() -> Ray) -> std::result::Result<Vec3, Failed> {
         match self {
             Self::Keep => Ok(Vec3::from_array(values)),

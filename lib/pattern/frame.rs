@@ -89,7 +89,7 @@ impl Frame {
         match at.instance {
             None if self.still => at.direction,
             None => self.place.turn * at.direction,
-            Some(_) => self.place(at).turn * at.direction,
+            Some(_) => self.turn(at) * at.direction,
         }
     }
 

@@ -73,7 +73,6 @@ impl Mapping {
     ///
     /// # Errors
     /// The expressions have no value.
-    #[inline]
     pub fn place(&self, direction: Vec3, ray: impl FnOnce() -> Ray) -> Result<[f64; 2], Failed> {
         match self {
             Self::Constant(uv) => Ok(*uv),
