@@ -32,6 +32,8 @@ pub struct Clear {
     pub length: f64,
     /// What roulette takes the extinction for; until something is known, nothing is absorbed.
     pub guess: Rgb,
+    /// The same material that absorbs nothing.
+    cleared: Material,
     logarithms: Nodes<L>,
 }
 
@@ -42,7 +44,9 @@ impl Clear {
         let nodes = std::array::from_fn(|i| (i as f64 / (L * LANES - 1) as f64).powi(2));
         let logarithm = |i: usize| (nodes[i].max(1e-40).ln() / length) as f32;
         let logarithms = std::array::from_fn(|l| f32x8::from(std::array::from_fn(|i| logarithm(l * LANES + i))));
-        Self { material, glass, index, nodes, length, guess: Rgb::ZERO, logarithms }
+        let medium = Medium { transmissivity: Rgb::ONE, index };
+        let cleared = if glass { Material::Glass(medium) } else { Material::Dielectric(medium) };
+        Self { material, glass, index, nodes, length, guess: Rgb::ZERO, cleared, logarithms }
     }
 
     /// The columns of a channel.
@@ -99,13 +103,13 @@ impl Transport for Dimming<'_> {
         if layer.id != self.unknown.material || layer.material.is_none() {
             return Surface { bsdf: layer.bsdf(rules), unknown: false, pattern: Rgb::ONE };
         }
-        let medium = Medium { transmissivity: Rgb::ONE, index: self.unknown.index };
-        let material = if self.unknown.glass { Material::Glass(medium) } else { Material::Dielectric(medium) };
-        let bsdf = Bsdf::new(&material, &layer.point, layer.pattern, rules);
+        let bsdf = Bsdf::new(&self.unknown.cleared, &layer.point, layer.pattern, rules);
         let mut surface = Surface { bsdf, unknown: true, pattern: layer.pattern };
         // What is refracted into a body goes on in the unknown.
-        if let (false, true, Some(delta)) = (self.unknown.glass, layer.point.front, &mut surface.bsdf.deltas[1]) {
-            delta.medium = Some(Inside { extinction: Rgb::ZERO, unknown: Some(medium.extinction(layer.pattern)) });
+        if let (false, true, Some(Delta { medium: Some(medium), .. })) =
+            (self.unknown.glass, layer.point.front, &mut surface.bsdf.deltas[1])
+        {
+            *medium = Inside { extinction: Rgb::ZERO, unknown: Some(medium.extinction) };
         }
         surface
     }

@@ -341,8 +341,10 @@ impl Place<'_> {
             }
             // A ray that meets the surface from inside has come through the body.
             Material::Dielectric(inside) | Material::Interface(inside, _) if !front => {
-                let unknown = (world.unknown == id).then(|| inside.cleared().extinction(pattern));
-                layer.behind = Some(Inside { extinction: inside.extinction(pattern), unknown });
+                layer.behind = Some(match world.unknown == id {
+                    true => Inside { extinction: Rgb::ZERO, unknown: Some(inside.cleared().extinction(pattern)) },
+                    false => Inside::of(inside.extinction(pattern)),
+                });
             }
             Material::Interface(_, outside) => layer.behind = Some(Inside::of(outside.extinction(pattern))),
             Material::Antimatter => {
