@@ -74,15 +74,17 @@ type Moments = [f32x8; 5];
 fn moments(radiance: &Table) -> Vec<[Moments; 3]> {
     let mut sums = vec![[Vec3::ZERO; 3]; 2 * BLOCKS * BLOCKS];
     let (height, half) = (radiance.height(), PI / radiance.width as f64);
+    let (chord, turns) = (2.0 * half.sin(), (0..radiance.width).map(|x| (half * (2 * x + 1) as f64).sin_cos()));
+    let turns: Vec<(f64, f64)> = turns.collect();
     for (y, row) in radiance.nodes.chunks_exact(radiance.width).enumerate() {
         let [(top, upper), (bottom, lower)] = [y, y + 1].map(|y| (PI * y as f64 / height as f64).sin_cos());
         // The integrals of sin² and of sin × cos over the polar angle.
         let across = 0.5 * (PI / height as f64 - bottom * lower + top * upper);
         let along = 0.5 * (bottom * bottom - top * top);
-        for (x, light) in row.iter().enumerate() {
-            let (s, c) = (half * (2 * x + 1) as f64).sin_cos();
-            let directions = Vec3::new(c * across, s * across, along * half / half.sin()) * (2.0 * half.sin());
-            sums[radiance.block(y * radiance.width + x)].iter_mut().zip(light).for_each(|(sum, light)| *sum += directions * *light as f64);
+        let up = along * half / half.sin();
+        for (x, (light, (s, c))) in row.iter().zip(&turns).enumerate() {
+            let directions = Vec3::new(c * across, s * across, up) * chord;
+            sums[radiance.block(x, y)].iter_mut().zip(light).for_each(|(sum, light)| *sum += directions * *light as f64);
         }
     }
     let five = |block: usize, channel: usize| {
@@ -145,22 +147,23 @@ impl Table {
         self.nodes.len() / self.width
     }
 
-    /// The block of a cell.
-    fn block(&self, cell: usize) -> usize {
-        let (x, y) = (cell % self.width, cell / self.width);
+    /// The block of the cell in a column and row.
+    fn block(&self, x: usize, y: usize) -> usize {
         y * BLOCKS / self.height() * 2 * BLOCKS + x * 2 * BLOCKS / self.width
     }
 
     /// Dims each block that more than this part of all light comes from to that part.
     fn dim(&mut self, most: f64) {
         let mut blocks = vec![0.0; 2 * BLOCKS * BLOCKS];
-        for (cell, node) in self.nodes.iter().enumerate() {
-            let size = (PI * ((cell / self.width) as f64 + self.first) / self.height() as f64).sin();
-            blocks[self.block(cell)] += size * node.iter().map(|v| *v as f64).sum::<f64>();
+        for (y, row) in self.nodes.chunks_exact(self.width).enumerate() {
+            let size = (PI * (y as f64 + self.first) / self.height() as f64).sin();
+            for (x, node) in row.iter().enumerate() {
+                blocks[self.block(x, y)] += size * node.iter().map(|v| *v as f64).sum::<f64>();
+            }
         }
         let limit = most * blocks.iter().sum::<f64>();
         for cell in 0..self.nodes.len() {
-            let block = blocks[self.block(cell)];
+            let block = blocks[self.block(cell % self.width, cell / self.width)];
             if block > limit {
                 self.nodes[cell] = self.nodes[cell].map(|v| v * (limit / block) as f32);
             }
