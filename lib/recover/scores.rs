@@ -280,9 +280,9 @@ impl<'a> Scores<'a> {
     fn leverage(&self, inverse: &[Vec<f64>], p: usize) -> f64 {
         let d = &self.place.derivatives;
         let followed = |c: usize, half: usize| -> f64 {
-            let asked: Vec<f64> = (0..inverse.len()).map(|i| self.trust[i][p] * d[i][half][p][c]).collect();
-            let moved = times(inverse, &asked);
-            self.weights.halves[half][p][c] as f64 * (0..inverse.len()).map(|i| d[i][1 - half][p][c] * moved[i]).sum::<f64>()
+            let asked = |i: usize| self.trust[i][p] * d[i][half][p][c];
+            let moved = |row: &[f64]| row.iter().enumerate().map(|(i, inverse)| inverse * asked(i)).sum::<f64>();
+            self.weights.halves[half][p][c] as f64 * inverse.iter().zip(d).map(|(row, d)| d[1 - half][p][c] * moved(row)).sum::<f64>()
         };
         (0..3).map(|c| 0.5 * (followed(c, 0) + followed(c, 1))).sum()
     }
