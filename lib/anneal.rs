@@ -27,13 +27,6 @@ use random::Random;
 use serde::{Deserialize, Serialize};
 use walk::Walk;
 
-/// What is to be made small: chi-squared as a function of a vector.
-pub trait Objective {
-    /// Chi-squared at `values`, by the means of the stage (from 0, coarse, to the last, fine). It may be noisy, and negative where an
-    /// unbiased estimate is; not finite means that these values are impossible.
-    fn chi2(&mut self, values: &[f64], stage: usize) -> Result<f64>;
-}
-
 /// One coordinate of the vector.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Parameter {

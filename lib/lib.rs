@@ -28,7 +28,7 @@
 //! | [`material`] | what a material is: its type and numbers | |
 //! | [`panorama`] | what a whole environment does to a surface | rayon, wide |
 //! | [`environment`] | where distant light comes from, and how to sample it | rayon |
-//! | [`metric`] | how far two pictures are apart: χ² (equation 11) and its kin | |
+//! | [`metric`] | how far two pictures are apart: χ² (equation 11) and its kin | serde |
 //! | [`anneal`] | simulated annealing of a vector; knows no graphics | rand, serde |
 //! | [`unknown`] | which numbers of a file are unknown, and the file with those numbers in place | serde |
 //! | [`expand`] | inline commands (`xform`, `genbox` …) done in-process; the gate for all others | |

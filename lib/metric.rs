@@ -5,12 +5,41 @@
 
 use crate::error::{Error, Result};
 use crate::picture::Picture;
+use serde::{Deserialize, Serialize};
 
 pub mod heat;
 
 /// What keeps the relative measures finite where the reference is black: .01, where the reference's average is 1 (Rousselle et
 /// al. 2011, "Adaptive Sampling and Reconstruction using Greedy Error Minimization", section 5, made independent of units).
 const EPSILON: f64 = 0.01;
+
+/// What a search makes small, so that a rendering resembles a photograph.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Loss {
+    /// Chi-squared, which goes by what is bright: it tells a roughness, and leaves colour against specularity open.
+    #[default]
+    Chi2,
+    /// Squares relative to the reference, as [`Measures::relmse`] has them: it tells these, and leaves the roughness open.
+    Relative,
+    /// Squares of logarithms: the one that falls toward an index of refraction from afar.
+    Log,
+}
+
+impl Loss {
+    /// What a value of a rendering adds to it where the reference, whose average is `average`, has `reference`; without what the variance of
+    /// that value adds on the average (to the logarithm's square to first order).
+    pub fn of(self, reference: f64, value: f64, variance: f64, average: f64) -> f64 {
+        let square = (reference - value).powi(2) - variance;
+        match self {
+            Self::Chi2 => square,
+            Self::Relative => square / (reference * reference + EPSILON * average * average),
+            Self::Log => {
+                let [reference, value] = [reference, value].map(|v| v.max(0.0) + EPSILON.sqrt() * average);
+                (value / reference).ln().powi(2) - variance / (value * value)
+            }
+        }
+    }
+}
 
 /// Two pictures to be compared. [`Comparison::new`] checks that they can be.
 #[derive(Clone, Copy, Debug)]
@@ -272,6 +301,22 @@ mod tests {
         assert_eq!((m.rmse(), m.psnr()), ((5.25f64 / 6.0).sqrt(), 10.0 * (16.0 * 6.0 / 5.25f64).log10()));
         let black = picture(&[[0.0; 3]]);
         assert_eq!(Comparison::new(named(&black), named(&black), None, None).unwrap().measure().psnr(), f64::INFINITY);
+    }
+
+    #[test]
+    fn losses_are_free_of_what_noise_adds() {
+        let (a, b) = (picture(&[[1.0, 2.0, 3.0], [0.0, 8.0, 4.0]]), picture(&[[2.0, 2.0, 2.0], [1.0, 8.0, 4.0]]));
+        let m = Comparison::new(named(&a), named(&b), None, None).unwrap().measure();
+        let values = || a.pixels.iter().flatten().zip(b.pixels.iter().flatten()).map(|(a, b)| [*a, *b].map(f64::from));
+        let sum = |loss: Loss| values().map(|[a, b]| loss.of(a, b, 0.0, 3.0)).sum::<f64>();
+        assert!((sum(Loss::Chi2) - m.chi2).abs() < 1e-14 && (sum(Loss::Relative) - 6.0 * m.relmse).abs() < 1e-13);
+        assert!((Loss::Log.of(2.7, 5.7, 0.0, 3.0) - 2f64.ln().powi(2)).abs() < 1e-14);
+        // A value of variance .02.
+        for loss in [Loss::Chi2, Loss::Relative, Loss::Log] {
+            let noisy: f64 = (0..100_000).map(|i| loss.of(3.0, 4.0 + 0.2 * f64::from(noise(i)), 0.02, 3.0)).sum();
+            let clean = loss.of(3.0, 4.0, 0.0, 3.0);
+            assert!((noisy / 1e5 / clean - 1.0).abs() < 0.01, "{loss:?}: {} {clean}", noisy / 1e5);
+        }
     }
 
     #[test]

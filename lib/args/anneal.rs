@@ -4,9 +4,10 @@ use super::rtrace::Light;
 use super::{Common, Scenes, ViewWords, radius};
 use crate::anneal::Options;
 use crate::error::{Error, Result};
+use crate::metric::Loss;
 use crate::rules::UNWEIGHTED;
 use crate::unknown::{Bounds, TYPES, Wishes, names};
-use clap::builder::PossibleValuesParser;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -88,7 +89,7 @@ pub struct Photo {
 
     /// No picture yet: the standard errors that one would give if the unknown were START.rad's, what it would not tell, and what would
     /// help. Assumed is noise of 2 % in each pixel
-    #[arg(long, requires = "scene", conflicts_with_all = ["target", "exec", "state", "log", "report", "time", "tolerance", "steps", "mask", "direct", "stages", "residuals", "no_polish"])]
+    #[arg(long, requires = "scene", conflicts_with_all = ["target", "exec", "state", "log", "report", "time", "tolerance", "steps", "mask", "direct", "stages", "residuals", "loss", "no_polish"])]
     pub predict: bool,
 
     /// Largest width of the picture to predict, in pixels [default: 160]
@@ -164,6 +165,15 @@ fn kinds() -> PossibleValuesParser {
     std::iter::once(AUTO).chain(TYPES.map(|(name, _)| name)).into()
 }
 
+/// What `--loss` may be.
+fn losses() -> impl TypedValueParser<Value = Loss> {
+    PossibleValuesParser::new(["chi2", "relative", "log"]).map(|name| match name.as_str() {
+        "chi2" => Loss::Chi2,
+        "relative" => Loss::Relative,
+        _ => Loss::Log,
+    })
+}
+
 /// The `--type` that tries all, and the `--filter` that is found.
 pub const AUTO: &str = "auto";
 
@@ -191,6 +201,11 @@ pub struct SearchOptions {
     /// then hold the noise of the photograph too
     #[arg(long, value_name = "N")]
     pub residuals: Option<f64>,
+
+    /// What a search by --direct follows: chi2; relative, its squares relative to T² + .01 m², with m the mean of the picture T; or log, the
+    /// squares of logarithms of T + .1 m. The chi-squared that is printed in the end is that of equation 11 [default: chi2]
+    #[arg(long, value_name = "LOSS", requires = "target", value_parser = losses())]
+    pub loss: Option<Loss>,
 
     /// By --exec or --direct only anneal: no local quadratics at the end, and no standard errors
     #[arg(long)]
@@ -284,13 +299,14 @@ impl Arguments {
 
     /// What was said of the way to search that is of no use where no candidate is judged: a recovery from a picture.
     pub fn idle(&self) -> Vec<&'static str> {
-        let SearchOptions { steps, stages, residuals, no_polish, .. } = &self.search;
+        let SearchOptions { steps, stages, residuals, loss, no_polish, .. } = &self.search;
         let groups = self.unknown.groups.is_some();
         let said = [
             ("--groups", groups),
             ("--steps", steps.is_some()),
             ("--stages", *stages > 1),
             ("--residuals", residuals.is_some()),
+            ("--loss", loss.is_some()),
             ("--no-polish", *no_polish),
         ];
         said.into_iter().filter_map(|(option, said)| said.then_some(option)).collect()
@@ -299,6 +315,11 @@ impl Arguments {
     /// How long to search.
     pub fn time(&self) -> Option<Duration> {
         self.search.time.map(|seconds| Duration::from_secs_f64(seconds.min(1e9)))
+    }
+
+    /// What a search by renderings makes small.
+    pub fn loss(&self) -> Loss {
+        self.search.loss.unwrap_or_default()
     }
 
     /// How to search.

@@ -1,8 +1,8 @@
 //! Any renderer: a shell command that says how good a candidate is.
 
+use super::search::Objective;
 use super::signal;
 use super::stream::plain;
-use crate::anneal::Objective;
 use crate::args::imgdiff::{DOF, SCALE};
 use crate::error::{Error, Result};
 use crate::unknown::Unknown;

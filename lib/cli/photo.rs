@@ -1,14 +1,14 @@
 //! A photograph, the scene it was taken in, and what is unknown there, from what was typed.
 
+use super::search::Objective;
 use super::stream::Input;
 use super::{Console, Disk, Outcome, scene};
-use crate::anneal::Objective;
 use crate::args::anneal::{Arguments, Sharpness};
 use crate::cal;
 use crate::color::Rgb;
 use crate::error::{Error, Result};
 use crate::expand::Flat;
-use crate::metric::{self, Named};
+use crate::metric::{self, Loss, Named};
 use crate::picture::{Header, Picture};
 use crate::rad::{Class, Document, Number, Primitive};
 use crate::recover::{Evidence, Recovery};
@@ -232,6 +232,9 @@ const LAMP: f64 = 2.0;
 pub struct Direct<'p, 'a> {
     photo: &'p Photo<'a>,
     pixels: Vec<usize>,
+    /// The picture's average over them.
+    average: f64,
+    loss: Loss,
 }
 
 /// Samples of a pixel.
@@ -239,13 +242,15 @@ const SAMPLES: u32 = 32;
 
 impl<'p, 'a> Direct<'p, 'a> {
     /// Over the pixels that show the unknown.
-    pub fn new(photo: &'p Photo<'a>) -> Result<Self> {
-        Ok(Self { photo, pixels: photo.evidence().pixels(&photo.unknown, photo.material)? })
+    pub fn new(photo: &'p Photo<'a>, loss: Loss) -> Result<Self> {
+        let pixels = photo.evidence().pixels(&photo.unknown, photo.material)?;
+        let sum: f64 = pixels.iter().flat_map(|&number| photo.target.pixels[number]).map(f64::from).sum();
+        let average = sum / (3 * pixels.len()) as f64;
+        Ok(Self { photo, pixels, average, loss })
     }
-}
 
-impl Objective for Direct<'_, '_> {
-    fn chi2(&mut self, values: &[f64], _: usize) -> Result<f64> {
+    /// How far a rendering with these values is from the picture.
+    fn judged(&self, values: &[f64], loss: Loss) -> Result<f64> {
         let photo = self.photo;
         let world = photo.setting().world(&photo.unknown.reals(values))?;
         let exposure = Rgb::from(photo.unknown.exposures(values));
@@ -266,13 +271,22 @@ impl Objective for Direct<'_, '_> {
             &|| false,
             &mut |_| {},
         );
-        // The noise of the rendering adds its variance to chi-squared.
-        let chi2 = rendering.pixels.iter().zip(&self.pixels).map(|(pixel, &number)| {
-            let target = Rgb::from(photo.target.pixels[number].map(f64::from));
-            let off = target - exposure * pixel.mean();
+        let sum = rendering.pixels.iter().zip(&self.pixels).map(|(pixel, &number)| {
+            let (target, seen) = (photo.target.pixels[number], exposure * pixel.mean());
+            let variance = exposure * exposure * pixel.variance().0;
             let weight = photo.mask.as_ref().map_or(1.0, |mask| mask[number] as f64);
-            weight * (off * off - exposure * exposure * pixel.variance().0).element_sum()
+            weight * (0..3).map(|c| loss.of(target[c] as f64, seen[c], variance[c], self.average)).sum::<f64>()
         });
-        Ok(chi2.sum())
+        Ok(sum.sum())
+    }
+}
+
+impl Objective for Direct<'_, '_> {
+    fn chi2(&mut self, values: &[f64], _: usize) -> Result<f64> {
+        self.judged(values, self.loss)
+    }
+
+    fn told(&self, values: &[f64]) -> Result<Option<f64>> {
+        (self.loss != Loss::Chi2).then(|| self.judged(values, Loss::Chi2)).transpose()
     }
 }

@@ -95,10 +95,12 @@ pub fn of_recovery(path: &Path, found: &Recovery, answer: &Answer, photo: &Photo
 /// Writes the page of a search, and of the photograph it was for, if it was for one.
 pub fn of_search(path: &Path, search: &Search, photo: Option<&Photo>, console: &Console) -> Outcome<()> {
     let annealer = search.annealed();
-    let Some(best) = annealer.best() else { return Err(Error::new("nothing was evaluated yet: there is nothing to report").into()) };
+    let (Some(best), Some(chi2)) = (annealer.best(), search.chi2()) else {
+        return Err(Error::new("nothing was evaluated yet: there is nothing to report").into());
+    };
     let answer = search.answer(&best.values);
     let past = annealer.past().map(|(values, chi2)| Moment { values: values.to_vec(), errors: None, chi2, pixels: None });
-    let told = Report { trail: &past.collect::<Vec<_>>(), unit: "evaluation", ..told(&answer, best.chi2) };
+    let told = Report { trail: &past.collect::<Vec<_>>(), unit: "evaluation", ..told(&answer, chi2) };
     write(path, told, search.unknown(), photo, console)
 }
 

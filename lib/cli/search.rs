@@ -3,8 +3,9 @@
 use super::interrupted;
 use super::stream::{Output, file, plain};
 use super::{Console, Outcome};
-use crate::anneal::{Annealer, Best, End, Objective, Options};
+use crate::anneal::{Annealer, End, Options};
 use crate::error::{Error, Result};
+use crate::metric::Loss;
 use crate::rad::{Document, Number, decode};
 use crate::recover::answer::{Answer, missed, six};
 use crate::recover::doubts::Known;
@@ -28,7 +29,25 @@ struct Kept {
     name: String,
     start: String,
     wishes: Wishes,
+    /// What it takes for chi-squared.
+    #[serde(default)]
+    loss: Loss,
+    /// The chi-squared of the best, in the end, if that is not what was made small.
+    #[serde(default)]
+    chi2: Option<f64>,
     annealer: Annealer,
+}
+
+/// What is to be made small: chi-squared as a function of a vector.
+pub trait Objective {
+    /// Chi-squared at `values`, by the means of the stage (from 0, coarse, to the last, fine). It may be noisy, and negative where an
+    /// unbiased estimate is; not finite means that these values are impossible.
+    fn chi2(&mut self, values: &[f64], stage: usize) -> Result<f64>;
+
+    /// Chi-squared at `values`, if what is made small is something else.
+    fn told(&self, _values: &[f64]) -> Result<Option<f64>> {
+        Ok(None)
+    }
 }
 
 /// What accompanies a search.
@@ -52,12 +71,12 @@ const ENOUGH: usize = 12;
 
 impl Search {
     /// A search for the unknown of a file that was read under that name.
-    pub fn new(name: &str, bytes: Vec<u8>, wishes: Wishes, mut options: Options) -> Result<Self> {
+    pub fn new(name: &str, bytes: Vec<u8>, wishes: Wishes, loss: Loss, mut options: Options) -> Result<Self> {
         let start = decode(bytes.clone());
         let unknown = Unknown::new(Document::read(name, bytes)?, &wishes)?;
         options.groups = unknown.groups().to_vec();
         let annealer = Annealer::new(unknown.parameters().to_vec(), options)?;
-        Ok(Self { kept: Kept { name: name.into(), start, wishes, annealer }, unknown })
+        Ok(Self { kept: Kept { name: name.into(), start, wishes, loss, chi2: None, annealer }, unknown })
     }
 
     /// The search that is kept in a file; `None` if there is no such file.
@@ -92,7 +111,7 @@ impl Search {
             return other("another start file");
         }
         let (was, is) = (found.kept.annealer.options().clone(), self.kept.annealer.options());
-        if found.kept.wishes != self.kept.wishes || (Options { steps: is.steps, ..was }) != *is {
+        if (&found.kept.wishes, found.kept.loss) != (&self.kept.wishes, self.kept.loss) || (Options { steps: is.steps, ..was }) != *is {
             return other("other options");
         }
         if let Some(steps) = steps {
@@ -138,14 +157,19 @@ impl Search {
         self.kept.annealer.propose().map(|values| Ok(self.unknown.document(values)?.bytes())).transpose()
     }
 
+    /// The chi-squared of the best values so far; of what else the search makes small, before its end, that.
+    pub fn chi2(&self) -> Option<f64> {
+        self.kept.chi2.or_else(|| Some(self.kept.annealer.best()?.chi2))
+    }
+
     /// The file with the best values so far, after what is known of them; and what to warn of.
     pub fn found(&self) -> Result<(Vec<u8>, Vec<String>)> {
         let annealer = &self.kept.annealer;
-        let Some(Best { values, chi2, .. }) = annealer.best() else {
+        let (Some(best), Some(chi2)) = (annealer.best(), self.chi2()) else {
             return Err(Error::new("nothing was evaluated yet: there is no best"));
         };
         let title = format!("chi2 {} after {} evaluations", six(chi2), annealer.told());
-        let answer = self.answer(&values);
+        let answer = self.answer(&best.values);
         Ok((answer.file(&[title])?, answer.doubts().to_vec()))
     }
 
@@ -211,6 +235,9 @@ impl Search {
                 self.save(path)?;
                 saved = Instant::now();
             }
+        }
+        if let Some(best) = self.kept.annealer.best() {
+            self.kept.chi2 = objective.told(&best.values)?;
         }
         watch.state.map_or(Ok(()), |path| self.save(path))?;
         let annealer = &self.kept.annealer;

@@ -1,6 +1,5 @@
 //! anneal: what material it is, by simulated annealing.
 
-use inverad::anneal::Objective;
 use inverad::args::anneal::{Arguments, Job, SearchOptions};
 use inverad::cli::auto::{Taken, opened, take};
 use inverad::cli::exec::{Exec, last_number};
@@ -8,7 +7,7 @@ use inverad::cli::kept::Kept;
 use inverad::cli::photo::{Direct, Photo};
 use inverad::cli::predict::predict;
 use inverad::cli::report::{self, Trail};
-use inverad::cli::search::{Search, Watch};
+use inverad::cli::search::{Objective, Search, Watch};
 use inverad::cli::{self, Answer, Console, Input, Outcome, Output};
 use inverad::error::Error;
 use inverad::recover::{Effort, answer, recover};
@@ -66,7 +65,7 @@ fn search(start: &str, arguments: &Arguments, console: &Console) -> Outcome<Answ
             let search = begin(start, arguments, arguments.search.state.as_deref())?;
             let unknown = search.unknown().clone();
             let photo = Photo::new(&unknown, Some(target), arguments, console)?;
-            anneal(search, &mut Direct::new(&photo)?, Some(&photo), arguments, console)
+            anneal(search, &mut Direct::new(&photo, arguments.loss())?, Some(&photo), arguments, console)
         }
         (None, Some(target)) => look(start, target, arguments, console),
         (None, None) if photo.predict => predict(start, arguments, console),
@@ -134,7 +133,7 @@ fn anneal(
 /// The search for the unknown of a file; where the state keeps it, as far as it got.
 fn begin(start: &str, arguments: &Arguments, state: Option<&Path>) -> Outcome<Search> {
     let (document, wishes) = opened(start, arguments)?;
-    let search = Search::new(&document.source.name, document.bytes(), wishes, arguments.options()?)?;
+    let search = Search::new(&document.source.name, document.bytes(), wishes, arguments.loss(), arguments.options()?)?;
     Ok(match state {
         Some(state) => search.taken_up(state, arguments.search.steps)?,
         None => search,

@@ -1,0 +1,32 @@
+//! What a search by renderings follows, and that it tells chi-squared all the same.
+
+mod photograph;
+
+use photograph::{photographed, run};
+use std::fs;
+
+const SCENE: &str = "void glow sky 0 0 4 1 1.2 1.5 0\nsky source all 0 0 4 0 0 1 360\nit sphere ball 0 0 4 0 0 0 1\n";
+
+#[test]
+fn what_is_followed_may_be_relative_and_what_is_told_is_chi_squared() {
+    let directory = photographed("plastic it 0 0 5 .2 .4 .6 0 0", SCENE, "-x 24 -y 24 --spp 64 --seed 3 -ab 1 -o target.exr");
+    let path = directory.path();
+    let judged = |options: &str| {
+        let words = format!("-ab 1 --scene scene.rad --target target.exr --log log {options} start.rad");
+        let out = run(env!("CARGO_BIN_EXE_anneal"), path, &words);
+        assert!(out.status.success(), "{}", String::from_utf8_lossy(&out.stderr));
+        let log = fs::read_to_string(path.join("log")).unwrap();
+        fs::remove_file(path.join("log")).unwrap();
+        let first: serde_json::Value = serde_json::from_str(log.lines().next().unwrap()).unwrap();
+        (String::from_utf8(out.stdout).unwrap(), first["chi2"].as_f64().unwrap(), String::from_utf8(out.stderr).unwrap())
+    };
+    let followed = ["chi2", "relative", "log"].map(|loss| judged(&format!("--direct --steps 1 --no-polish --loss {loss}")));
+    assert_eq!((&followed[0].0, &followed[0].0), (&followed[1].0, &followed[2].0), "of the same values, chi-squared is the same");
+    // The ball is darker than 1, so that relative squares are larger; logarithms tell less of what is far off.
+    let [chi2, relative, log] = followed.each_ref().map(|(_, followed, _)| *followed);
+    assert!(relative > 2.0 * log && log > 2.0 * chi2 && followed[0].0.contains(&format!("chi2 {chi2:.3}")), "{followed:?}");
+    let (_, _, said) = judged("--loss log --time 1");
+    assert!(said.contains("--loss is for --exec and --direct; it does nothing here"), "{said}");
+    let out = run(env!("CARGO_BIN_EXE_anneal"), path, "--exec true --loss log start.rad");
+    assert_eq!(out.status.code(), Some(2));
+}
