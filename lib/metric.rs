@@ -26,6 +26,11 @@ pub enum Loss {
 }
 
 impl Loss {
+    /// What it is called beside its number.
+    pub fn name(self) -> &'static str {
+        if self == Self::Chi2 { "chi2" } else { "loss" }
+    }
+
     /// What a value of a rendering adds to it where the reference, whose average is `average`, has `reference`; without what the variance of
     /// that value adds on the average (to the logarithm's square to first order).
     pub fn of(self, reference: f64, value: f64, variance: f64, average: f64) -> f64 {

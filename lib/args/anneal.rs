@@ -203,7 +203,8 @@ pub struct SearchOptions {
     pub residuals: Option<f64>,
 
     /// What a search by --direct follows: chi2; relative, its squares relative to T² + .01 m², with m the mean of the picture T; or log, the
-    /// squares of logarithms of T + .1 m. The chi-squared that is printed in the end is that of equation 11 [default: chi2]
+    /// squares of logarithms of T + .1 m. The last two are `loss` in the log; what is printed in the end is the chi-squared of equation 11
+    /// [default: chi2]
     #[arg(long, value_name = "LOSS", requires = "target", value_parser = losses())]
     pub loss: Option<Loss>,
 

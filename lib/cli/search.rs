@@ -168,7 +168,8 @@ impl Search {
         let (Some(best), Some(chi2)) = (annealer.best(), self.chi2()) else {
             return Err(Error::new("nothing was evaluated yet: there is no best"));
         };
-        let title = format!("chi2 {} after {} evaluations", six(chi2), annealer.told());
+        let measure = if self.kept.chi2.is_some() { Loss::Chi2 } else { self.kept.loss };
+        let title = format!("{} {} after {} evaluations", measure.name(), six(chi2), annealer.told());
         let answer = self.answer(&best.values);
         Ok((answer.file(&[title])?, answer.doubts().to_vec()))
     }
@@ -216,7 +217,7 @@ impl Search {
                 }
             };
             let annealer = &mut self.kept.annealer;
-            let line = log.is_some().then(|| line(annealer, &self.unknown, chi2));
+            let line = log.is_some().then(|| line(annealer, &self.unknown, self.kept.loss, chi2));
             self.tell(chi2)?;
             let annealer = &mut self.kept.annealer;
             if let (Some(log), Some(line)) = (&mut log, line) {
@@ -230,7 +231,7 @@ impl Search {
                 let left = time.saturating_sub(begin.elapsed()).as_secs_f64() / each.as_secs_f64().max(1e-9);
                 annealer.set_steps((already + done).saturating_add(left as usize).min(watch.steps.unwrap_or(usize::MAX)));
             }
-            watch.console.progress(|| progress(&self.kept.annealer));
+            watch.console.progress(|| progress(&self.kept.annealer, self.kept.loss));
             if let Some(path) = watch.state.filter(|_| saved.elapsed() > PAUSE) {
                 self.save(path)?;
                 saved = Instant::now();
@@ -277,20 +278,21 @@ impl Log {
 }
 
 /// An evaluation as one line of JSON.
-fn line(annealer: &Annealer, unknown: &Unknown, chi2: f64) -> String {
+fn line(annealer: &Annealer, unknown: &Unknown, loss: Loss, value: f64) -> String {
     let values = unknown.parameters().iter().zip(annealer.propose().unwrap_or_default());
     let values: serde_json::Map<String, serde_json::Value> = values.map(|(p, value)| (p.name.clone(), (*value).into())).collect();
     let line = serde_json::json!({
-        "step": annealer.told() + 1, "stage": annealer.stage() + 1, "phase": annealer.phase(), "chi2": chi2, "values": values,
+        "step": annealer.told() + 1, "stage": annealer.stage() + 1, "phase": annealer.phase(), loss.name(): value, "values": values,
     });
     format!("{line}\n")
 }
 
 /// How far the search is, on a line.
-fn progress(annealer: &Annealer) -> String {
+fn progress(annealer: &Annealer, loss: Loss) -> String {
     let Some(best) = annealer.best() else { return String::new() };
     let digits = |x: f64| Number(format!("{x:.4e}").parse().unwrap_or(x)).to_string();
     let names = annealer.parameters().iter().zip(&best.values).map(|(p, value)| format!("{} {}", p.name, digits(*value)));
     let phase = annealer.phase().map_or_else(String::new, |phase| format!("{phase:?}").to_lowercase());
-    format!("{}/{} {phase} chi2 {} {}", annealer.told(), annealer.options().steps, digits(best.chi2), names.collect::<Vec<_>>().join(" "))
+    let (told, steps, measure) = (annealer.told(), annealer.options().steps, loss.name());
+    format!("{told}/{steps} {phase} {measure} {} {}", digits(best.chi2), names.collect::<Vec<_>>().join(" "))
 }
