@@ -22,6 +22,7 @@ use crate::rules::Rules;
 use crate::sampling::Sampler;
 use crate::world::World;
 use rayon::prelude::*;
+use std::ops::Range;
 use wide::f32x8;
 
 /// Nodes that are computed with at a time.
@@ -155,8 +156,8 @@ impl Basis {
 pub struct Pixels<'a> {
     /// The numbers of the pixels, as the lens knows them.
     pub numbers: &'a [usize],
-    /// How many samples each gets, pixel by pixel, in each set by set.
-    pub samples: &'a [u32],
+    /// Which samples each gets, pixel by pixel, in each set by set: those that follow others of the same seed fill it evenly together with them.
+    pub samples: &'a [Range<u32>],
     /// The rays of a pixel.
     pub lens: Lens<'a>,
     /// The picture whose variance is asked for: coefficients of the columns of each channel.
@@ -178,7 +179,7 @@ pub fn trace(world: &World, rules: &Rules, unknown: &Unknown, pixels: &Pixels, s
         let pieces = sums.map(|(i, (columns, variance))| Piece {
             number: numbers[i / sets],
             set: (i % sets) as u32,
-            samples: samples[i],
+            samples: samples[i].clone(),
             columns,
             variance,
         });
@@ -206,14 +207,14 @@ pub fn trace(world: &World, rules: &Rules, unknown: &Unknown, pixels: &Pixels, s
             }
         }
     });
-    Basis { sets, columns, samples: pixels.samples.iter().map(|&n| n as f32).collect(), values, variances }
+    Basis { sets, columns, samples: pixels.samples.iter().map(|samples| samples.len() as f32).collect(), values, variances }
 }
 
 /// One set of a pixel.
 struct Piece<'c> {
     number: usize,
     set: u32,
-    samples: u32,
+    samples: Range<u32>,
     columns: &'c mut [f32],
     variance: &'c mut [f32; 3],
 }
@@ -233,7 +234,8 @@ fn follow<'c, T: Columns>(
         let mut transport = transport(piece.columns);
         // The pixel so far, and the squares of what each sample added to it.
         let (mut sum, mut squares) = ([0.0; 3], [0.0; 3]);
-        for index in 0..piece.samples {
+        let n = piece.samples.len();
+        for index in piece.samples {
             let mut sampler = Sampler::new(seed, piece.number as u64, piece.set, index);
             let at = sampler.pair();
             if let Some((origin, direction, limit)) = lens(piece.number, at) {
@@ -245,7 +247,7 @@ fn follow<'c, T: Columns>(
                 sum = now;
             }
         }
-        let n = piece.samples.max(1) as f64;
+        let n = n.max(1) as f64;
         *piece.variance = std::array::from_fn(|c| ((squares[c] - sum[c] * sum[c] / n) / (n - 1.0).max(1.0)).max(0.0) as f32);
         transport.columns().iter_mut().for_each(|v| *v /= n as f32);
     }

@@ -17,6 +17,7 @@ use crate::scene::MaterialId;
 use crate::transport::{self, Basis, Clear, Pixels};
 use crate::unknown::Unknown;
 use rayon::prelude::*;
+use std::ops::Range;
 use std::time::Instant;
 
 /// The smallest index that is looked at: less bends light no further.
@@ -82,7 +83,7 @@ impl Model for Stage<'_> {
         }
     }
 
-    fn trace(&self, pixels: &[usize], samples: &[u32], seed: u64) -> Basis {
+    fn trace(&self, pixels: &[usize], samples: &[Range<u32>], seed: u64) -> Basis {
         let pixels = Pixels { numbers: pixels, samples, lens: &self.evidence.film.lens(), picture: self.guess.as_ref() };
         let at = |unknown| transport::trace(self.evidence.world, self.evidence.rules, unknown, &pixels, 2, seed);
         Basis::beside(&self.parts.iter().map(at).collect::<Vec<_>>())

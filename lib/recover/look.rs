@@ -11,6 +11,7 @@ use crate::anneal::Parameter;
 use crate::anneal::linear::Symmetric;
 use crate::sampling::mix64;
 use crate::transport::Basis;
+use std::ops::Range;
 use std::time::Instant;
 
 /// A model of the picture near some values of the parameters.
@@ -18,8 +19,8 @@ pub trait Model: Sync {
     /// Prepares to trace where the values are, as far as is known: its columns stay what they are.
     fn tune(&mut self, values: &[f64], errors: Option<&[f64]>);
 
-    /// Traces two independent estimates of the basis of some pixels.
-    fn trace(&self, pixels: &[usize], samples: &[u32], seed: u64) -> Basis;
+    /// Traces two independent estimates of the basis of some pixels, by some of the samples that a seed makes.
+    fn trace(&self, pixels: &[usize], samples: &[Range<u32>], seed: u64) -> Basis;
 
     /// The coefficients of the columns of each channel for values of the parameters.
     fn coefficients(&self, values: &[f64]) -> [Vec<f64>; 3];
@@ -103,17 +104,18 @@ impl Look<'_> {
         let mut each = (FIRST / first).min(EACH).floor();
         let (mut best, mut before) = (near.to_vec(), vec![0.0; near.len()]);
         model.tune(&best, None);
-        let trace = |model: &dyn Model, numbers: &[usize], samples: f64, seeds: &mut Seeds| {
-            model.trace(numbers, &vec![samples as u32; 2 * numbers.len()], seeds.next())
-        };
+        // What is added to a pixel fills it evenly with what it has.
+        let seed = seeds.next();
+        let trace =
+            |model: &dyn Model, numbers: &[usize], samples: f64| model.trace(numbers, &vec![0..samples as u32; 2 * numbers.len()], seed);
         // Where time is limited, some of the pixels tell how many of them there is time for.
         let until = self.effort.until.filter(|_| !self.effort.quick);
         let mut count = if until.is_some() { (first * TRIED).ceil() } else { first };
-        let mut basis = trace(model, &pixels[..count as usize], each, seeds);
+        let mut basis = trace(model, &pixels[..count as usize], each);
         if let Some(until) = until {
             let left = until.saturating_duration_since(Instant::now()).as_secs_f64() / begin.elapsed().as_secs_f64();
             let next = (count * (1.0 + TRACED * left)).floor().min(first);
-            basis.append(trace(model, &pixels[count as usize..next as usize], each, seeds));
+            basis.append(trace(model, &pixels[count as usize..next as usize], each));
             count = next;
         }
         for round in 1.. {
@@ -153,13 +155,13 @@ impl Look<'_> {
             match more {
                 More::Pixels(times) => {
                     let next = (count * (1.0 + growth(times))).floor().min(all);
-                    basis.append(trace(model, &pixels[count as usize..next as usize], each, seeds));
+                    basis.append(trace(model, &pixels[count as usize..next as usize], each));
                     count = next;
                 }
                 More::Samples(times) => {
                     let mean = each * growth(times);
                     each += mean;
-                    basis.join(&model.trace(sheet.numbers, &shared(mean, &influence, &basis.samples), seeds.next()));
+                    basis.join(&model.trace(sheet.numbers, &shared(mean, &influence, &basis.samples), seed));
                 }
             }
         }
@@ -275,9 +277,9 @@ const STEADY: f64 = 0.05;
 /// The part of the samples that all pixels share evenly: what few samples say of a pixel may be wrong.
 const EVEN: f64 = 0.3;
 
-/// Samples to add to those that the halves of pixels `have`, `mean` on the average, so that all are shared among pixels in proportion to how much
-/// their errors disturb (Neyman 1934).
-fn shared(mean: f64, influence: &[f64], have: &[f32]) -> Vec<u32> {
+/// The samples that come after those that the halves of pixels `have`, `mean` on the average, so that all are shared among pixels in proportion
+/// to how much their errors disturb (Neyman 1934).
+fn shared(mean: f64, influence: &[f64], have: &[f32]) -> Vec<Range<u32>> {
     let level = influence.iter().sum::<f64>() / influence.len() as f64;
     let share = |i: &f64| if level > 0.0 && level.is_finite() { EVEN + (1.0 - EVEN) * i / level } else { 1.0 };
     let shares: Vec<f64> = influence.iter().flat_map(|i| [share(i); 2]).collect();
@@ -289,7 +291,8 @@ fn shared(mean: f64, influence: &[f64], have: &[f32]) -> Vec<u32> {
         let middle = 0.5 * (low + high);
         if add(middle).sum::<f64>() > wanted { high = middle } else { low = middle }
     }
-    add(low).map(|more| more as u32).collect()
+    let next = |(have, more): (&f32, f64)| *have as u32..*have as u32 + more as u32;
+    have.iter().zip(add(low)).map(next).collect()
 }
 
 /// Pixels in an order in which each first part of them is spread over the picture, in squares that keep neighbours together.

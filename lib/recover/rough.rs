@@ -12,6 +12,7 @@ use crate::error::Result;
 use crate::scene::MaterialId;
 use crate::transport::{self, Alpha, Basis, ORDER, Pixels, Rough};
 use crate::unknown::Unknown;
+use std::ops::Range;
 use std::time::Instant;
 
 /// The smallest roughness that a node stands for; below it a lobe is hardly to be told from a mirror's.
@@ -171,7 +172,7 @@ impl Model for Stage<'_> {
         self.know(values, self.sharp());
     }
 
-    fn trace(&self, pixels: &[usize], samples: &[u32], seed: u64) -> Basis {
+    fn trace(&self, pixels: &[usize], samples: &[Range<u32>], seed: u64) -> Basis {
         let pixels = Pixels { numbers: pixels, samples, lens: &self.evidence.film.lens(), picture: self.guess.as_ref() };
         transport::trace(self.evidence.world, self.evidence.rules, &self.what, &pixels, 2, seed)
     }
@@ -280,8 +281,9 @@ pub fn recover(sought: &Sought, effort: Effort, enough: &dyn Fn(&Recovery) -> bo
         let proposals = geometric(u.0.min(v.0).max(2.0 * SMOOTHEST), u.1.max(v.1), WIDE_PROPOSALS).iter().map(|a| [a * a; 2]).collect();
         Stage::new(evidence, unknown, material, kind, [u, v].map(|(low, high)| geometric(low, high, nodes.0)), proposals)
     };
-    let trace =
-        |stage: &Stage, sheet: &Sheet, samples: u32, seed: u64| stage.trace(sheet.numbers, &vec![samples; 2 * sheet.numbers.len()], seed);
+    let trace = |stage: &Stage, sheet: &Sheet, samples: u32, seed: u64| {
+        stage.trace(sheet.numbers, &vec![0..samples; 2 * sheet.numbers.len()], seed)
+    };
     let mut best = match effort.around {
         Some(values) => values.to_vec(),
         None => {

@@ -52,7 +52,14 @@ const SEED: u64 = 7;
 
 fn basis(world: &World, rules: &Rules, unknown: &Unknown, x: &[Vec<f64>; 3]) -> Basis {
     let numbers: Vec<usize> = (0..16).collect();
-    trace(world, rules, unknown, &Pixels { numbers: &numbers, samples: &[SAMPLES; 16], lens: &lens, picture: Some(x) }, 1, SEED)
+    trace(
+        world,
+        rules,
+        unknown,
+        &Pixels { numbers: &numbers, samples: &[const { 0..SAMPLES }; 16], lens: &lens, picture: Some(x) },
+        1,
+        SEED,
+    )
 }
 
 /// A pixel, and the variance of its samples.
@@ -212,7 +219,7 @@ impl<T: Densities> Columns for Plain<'_, T> {
 }
 
 fn plain<'c, T: Columns>(world: &World, rules: &Rules, picture: &'c mut [Told; 16], transport: impl Fn(&'c mut [f32]) -> T) {
-    let piece = |(number, (columns, variance)): (usize, &'c mut Told)| Piece { number, set: 0, samples: SAMPLES, columns, variance };
+    let piece = |(number, (columns, variance)): (usize, &'c mut Told)| Piece { number, set: 0, samples: 0..SAMPLES, columns, variance };
     let mixture = Mixture::new(&[1.0; 3].map(|one| vec![one]));
     follow(world, rules, &lens, SEED, picture.iter_mut().enumerate().map(piece), Some(&mixture), transport);
 }
