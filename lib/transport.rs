@@ -234,7 +234,7 @@ fn follow<'c, T: Columns>(
         let mut transport = transport(piece.columns);
         // The pixel so far, and the squares of what each sample added to it.
         let (mut sum, mut squares) = ([0.0; 3], [0.0; 3]);
-        let n = piece.samples.len();
+        let n = piece.samples.len().max(1) as f64;
         for index in piece.samples {
             let mut sampler = Sampler::new(seed, piece.number as u64, piece.set, index);
             let at = sampler.pair();
@@ -247,7 +247,6 @@ fn follow<'c, T: Columns>(
                 sum = now;
             }
         }
-        let n = n.max(1) as f64;
         *piece.variance = std::array::from_fn(|c| ((squares[c] - sum[c] * sum[c] / n) / (n - 1.0).max(1.0)).max(0.0) as f32);
         transport.columns().iter_mut().for_each(|v| *v /= n as f32);
     }

@@ -37,7 +37,7 @@ impl Look<'_> {
         };
         let ways: Vec<Vec<f64>> = (0..pairs)
             .flat_map(|_| {
-                let photographs = model.trace(sheet.numbers, &vec![0..samples as u32; 2 * pixels], seeds.next());
+                let photographs = model.trace_all(sheet.numbers, samples as u32, seeds.next());
                 pictures(&photographs, &coefficients).swap_remove(0)
             })
             .map(|picture| again(&picture))

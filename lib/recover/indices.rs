@@ -91,7 +91,7 @@ impl Search<'_> {
         let numbers: Vec<usize> = places.iter().map(|&i| sheet.numbers[i]).collect();
         let samples = (samples * ENOUGH).div_ceil(numbers.len() as u32).max(samples);
         let stage = Stage::new(self.evidence, self.sought, self.material, vec![index]);
-        let basis = stage.trace(&numbers, &vec![0..samples; 2 * numbers.len()], seed);
+        let basis = stage.trace_all(&numbers, samples, seed);
         let mut values = values.to_vec();
         slot(&self.sought.unknown).into_iter().for_each(|i| values[i] = index);
         let means = |width| Means::new(&stage, sheet, places, &basis, width);

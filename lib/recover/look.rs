@@ -22,6 +22,11 @@ pub trait Model: Sync {
     /// Traces two independent estimates of the basis of some pixels, by some of the samples that a seed makes.
     fn trace(&self, pixels: &[usize], samples: &[Range<u32>], seed: u64) -> Basis;
 
+    /// The same by the first samples of each in each half, as many for all.
+    fn trace_all(&self, pixels: &[usize], samples: u32, seed: u64) -> Basis {
+        self.trace(pixels, &vec![0..samples; 2 * pixels.len()], seed)
+    }
+
     /// The coefficients of the columns of each channel for values of the parameters.
     fn coefficients(&self, values: &[f64]) -> [Vec<f64>; 3];
 
@@ -104,18 +109,16 @@ impl Look<'_> {
         let mut each = (FIRST / first).min(EACH).floor();
         let (mut best, mut before) = (near.to_vec(), vec![0.0; near.len()]);
         model.tune(&best, None);
-        // What is added to a pixel fills it evenly with what it has.
+        // One for all rounds: what they add to a pixel fills it evenly with what it has.
         let seed = seeds.next();
-        let trace =
-            |model: &dyn Model, numbers: &[usize], samples: f64| model.trace(numbers, &vec![0..samples as u32; 2 * numbers.len()], seed);
         // Where time is limited, some of the pixels tell how many of them there is time for.
         let until = self.effort.until.filter(|_| !self.effort.quick);
         let mut count = if until.is_some() { (first * TRIED).ceil() } else { first };
-        let mut basis = trace(model, &pixels[..count as usize], each);
+        let mut basis = model.trace_all(&pixels[..count as usize], each as u32, seed);
         if let Some(until) = until {
             let left = until.saturating_duration_since(Instant::now()).as_secs_f64() / begin.elapsed().as_secs_f64();
             let next = (count * (1.0 + TRACED * left)).floor().min(first);
-            basis.append(trace(model, &pixels[count as usize..next as usize], each));
+            basis.append(model.trace_all(&pixels[count as usize..next as usize], each as u32, seed));
             count = next;
         }
         for round in 1.. {
@@ -155,7 +158,7 @@ impl Look<'_> {
             match more {
                 More::Pixels(times) => {
                     let next = (count * (1.0 + growth(times))).floor().min(all);
-                    basis.append(trace(model, &pixels[count as usize..next as usize], each));
+                    basis.append(model.trace_all(&pixels[count as usize..next as usize], each as u32, seed));
                     count = next;
                 }
                 More::Samples(times) => {

@@ -68,7 +68,7 @@ fn by(model: &mut dyn Model, evidence: &Evidence, unknown: &Unknown, pixels: &[u
     let (values, bounds) = (unknown.start(), unknown.bounds());
     model.tune(&values, None);
     let each = (SAMPLES / (pixels.len() as f64)).clamp(EACH.0, EACH.1);
-    let basis = model.trace(pixels, &vec![0..each as u32; 2 * pixels.len()], seed);
+    let basis = model.trace_all(pixels, each as u32, seed);
     let place = Place::new(model, &basis, &values, &bounds);
     let halves = &place.halves;
     // What would be photographed is what is rendered.

@@ -281,15 +281,12 @@ pub fn recover(sought: &Sought, effort: Effort, enough: &dyn Fn(&Recovery) -> bo
         let proposals = geometric(u.0.min(v.0).max(2.0 * SMOOTHEST), u.1.max(v.1), WIDE_PROPOSALS).iter().map(|a| [a * a; 2]).collect();
         Stage::new(evidence, unknown, material, kind, [u, v].map(|(low, high)| geometric(low, high, nodes.0)), proposals)
     };
-    let trace = |stage: &Stage, sheet: &Sheet, samples: u32, seed: u64| {
-        stage.trace(sheet.numbers, &vec![0..samples; 2 * sheet.numbers.len()], seed)
-    };
     let mut best = match effort.around {
         Some(values) => values.to_vec(),
         None => {
             tell("first look");
             let (stage, sheet) = (wide(), some(FIRST_PIXELS));
-            let gram = Gram::new(&trace(&stage, &sheet, FIRST_SAMPLES, seeds.next()), &sheet.target, &sheet.relative);
+            let gram = Gram::new(&stage.trace_all(sheet.numbers, FIRST_SAMPLES, seeds.next()), &sheet.target, &sheet.relative);
             search(&Problem { gram: &gram, coefficients: &|v| stage.coefficients(v), bounds: &bounds }, &stage, effort.seed)?
         }
     };
@@ -320,7 +317,7 @@ pub fn recover(sought: &Sought, effort: Effort, enough: &dyn Fn(&Recovery) -> bo
         let sheet = some(LAST_PIXELS);
         let mut stage = wide();
         stage.know(&found.values, true);
-        let basis = trace(&stage, &sheet, (LAST_SAMPLES / sheet.numbers.len()) as u32, seeds.next());
+        let basis = stage.trace_all(sheet.numbers, (LAST_SAMPLES / sheet.numbers.len()) as u32, seeds.next());
         return Ok(closer.averaged(found, &sheet, &stage, &basis));
     }
     unreachable!()

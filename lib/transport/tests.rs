@@ -52,14 +52,8 @@ const SEED: u64 = 7;
 
 fn basis(world: &World, rules: &Rules, unknown: &Unknown, x: &[Vec<f64>; 3]) -> Basis {
     let numbers: Vec<usize> = (0..16).collect();
-    trace(
-        world,
-        rules,
-        unknown,
-        &Pixels { numbers: &numbers, samples: &[const { 0..SAMPLES }; 16], lens: &lens, picture: Some(x) },
-        1,
-        SEED,
-    )
+    let samples = vec![0..SAMPLES; numbers.len()];
+    trace(world, rules, unknown, &Pixels { numbers: &numbers, samples: &samples, lens: &lens, picture: Some(x) }, 1, SEED)
 }
 
 /// A pixel, and the variance of its samples.
