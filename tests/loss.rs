@@ -11,32 +11,31 @@ const SCENE: &str = "void glow sky 0 0 4 1 1.2 1.5 0\nsky source all 0 0 4 0 0 1
 fn what_is_followed_may_be_relative_and_what_is_told_is_chi_squared() {
     let directory = photographed("plastic it 0 0 5 .2 .4 .6 0 0", SCENE, "-x 24 -y 24 --spp 64 --seed 3 -ab 1 -o target.exr");
     let path = directory.path();
-    let judged = |options: &str| {
+    let judged = |options: &str, measure: &str| {
         let words = format!("-ab 1 --scene scene.rad --target target.exr --log log {options} start.rad");
         let out = run(env!("CARGO_BIN_EXE_anneal"), path, &words);
         assert!(out.status.success(), "{}", String::from_utf8_lossy(&out.stderr));
         let log = fs::read_to_string(path.join("log")).unwrap();
         fs::remove_file(path.join("log")).unwrap();
         let first: serde_json::Value = serde_json::from_str(log.lines().next().unwrap()).unwrap();
-        let followed = first.get("loss").or(first.get("chi2")).and_then(|v| v.as_f64()).unwrap();
-        (String::from_utf8(out.stdout).unwrap(), followed, String::from_utf8(out.stderr).unwrap())
+        (String::from_utf8(out.stdout).unwrap(), first[measure].as_f64().unwrap(), String::from_utf8(out.stderr).unwrap())
     };
-    let followed = ["chi2", "relative", "log"].map(|loss| judged(&format!("--direct --steps 1 --no-polish --loss {loss}")));
+    let followed = [("chi2", "chi2"), ("relative", "loss"), ("log", "loss")]
+        .map(|(loss, measure)| judged(&format!("--direct --steps 1 --no-polish --loss {loss}"), measure));
     assert_eq!((&followed[0].0, &followed[0].0), (&followed[1].0, &followed[2].0), "of the same values, chi-squared is the same");
     // The ball is darker than 1, so that relative squares are larger; logarithms tell less of what is far off.
     let [chi2, relative, log] = followed.each_ref().map(|(_, followed, _)| *followed);
     assert!(relative > 2.0 * log && log > 2.0 * chi2 && followed[0].0.contains(&format!("chi2 {chi2:.3}")), "{followed:?}");
     // What is interrupted has no chi-squared yet.
+    judged("--direct --steps 1 --no-polish --loss log --state state", "loss");
+    let best = || String::from_utf8(run(env!("CARGO_BIN_EXE_anneal"), path, "best state").stdout).unwrap();
+    assert!(best().starts_with("# chi2 "), "{}", best());
     let state = path.join("state");
-    let kept = || serde_json::from_slice::<serde_json::Value>(&fs::read(&state).unwrap()).unwrap();
-    judged("--direct --steps 1 --no-polish --loss log --state state");
-    let told = || String::from_utf8(run(env!("CARGO_BIN_EXE_anneal"), path, "best state").stdout).unwrap();
-    assert!(told().starts_with("# chi2 "), "{}", told());
-    let mut killed = kept();
-    killed["chi2"] = serde_json::Value::Null;
-    fs::write(&state, killed.to_string()).unwrap();
-    assert!(told().starts_with("# loss "), "{}", told());
-    let (_, _, said) = judged("--loss log --time 1");
+    let mut kept: serde_json::Value = serde_json::from_slice(&fs::read(&state).unwrap()).unwrap();
+    kept["chi2"] = serde_json::Value::Null;
+    fs::write(&state, kept.to_string()).unwrap();
+    assert!(best().starts_with("# loss "), "{}", best());
+    let (_, _, said) = judged("--loss log --time 1", "chi2");
     assert!(said.contains("--loss is for --exec and --direct; it does nothing here"), "{said}");
     let out = run(env!("CARGO_BIN_EXE_anneal"), path, "--exec true --loss log start.rad");
     assert_eq!(out.status.code(), Some(2));

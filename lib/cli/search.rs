@@ -32,7 +32,7 @@ struct Kept {
     /// What it takes for chi-squared.
     #[serde(default)]
     loss: Loss,
-    /// The chi-squared of the best, in the end, if that is not what was made small.
+    /// The chi-squared of the best, at the end, if that is not what was made small; nothing once there is more to tell.
     #[serde(default)]
     chi2: Option<f64>,
     annealer: Annealer,
@@ -148,6 +148,7 @@ impl Search {
             return Err(Error::new(format!("the chi-squared of the start is {chi2}: the start must be possible")));
         }
         annealer.tell(chi2);
+        self.kept.chi2 = None;
         Ok(())
     }
 
@@ -157,19 +158,21 @@ impl Search {
         self.kept.annealer.propose().map(|values| Ok(self.unknown.document(values)?.bytes())).transpose()
     }
 
-    /// The chi-squared of the best values so far; of what else the search makes small, before its end, that.
-    pub fn chi2(&self) -> Option<f64> {
-        self.kept.chi2.or_else(|| Some(self.kept.annealer.best()?.chi2))
+    /// What is known of the best values so far: their chi-squared; of what else the search makes small, before its end, that.
+    pub fn measured(&self) -> Option<(Loss, f64)> {
+        match self.kept.chi2 {
+            Some(chi2) => Some((Loss::Chi2, chi2)),
+            None => Some((self.kept.loss, self.kept.annealer.best()?.chi2)),
+        }
     }
 
     /// The file with the best values so far, after what is known of them; and what to warn of.
     pub fn found(&self) -> Result<(Vec<u8>, Vec<String>)> {
         let annealer = &self.kept.annealer;
-        let (Some(best), Some(chi2)) = (annealer.best(), self.chi2()) else {
+        let (Some(best), Some((measure, value))) = (annealer.best(), self.measured()) else {
             return Err(Error::new("nothing was evaluated yet: there is no best"));
         };
-        let measure = if self.kept.chi2.is_some() { Loss::Chi2 } else { self.kept.loss };
-        let title = format!("{} {} after {} evaluations", measure.name(), six(chi2), annealer.told());
+        let title = format!("{} {} after {} evaluations", measure.name(), six(value), annealer.told());
         let answer = self.answer(&best.values);
         Ok((answer.file(&[title])?, answer.doubts().to_vec()))
     }
@@ -295,4 +298,21 @@ fn progress(annealer: &Annealer, loss: Loss) -> String {
     let phase = annealer.phase().map_or_else(String::new, |phase| format!("{phase:?}").to_lowercase());
     let (told, steps, measure) = (annealer.told(), annealer.options().steps, loss.name());
     format!("{told}/{steps} {phase} {measure} {} {}", digits(best.chi2), names.collect::<Vec<_>>().join(" "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_chi_squared_of_an_end_is_not_that_of_what_is_found_later() {
+        let start = b"void plastic it 0 0 5 .2 .4 .6 0 0\n".to_vec();
+        let mut search = Search::new("start.rad", start, Wishes::default(), Loss::Log, Options::default()).unwrap();
+        search.tell(5.0).unwrap();
+        assert_eq!(search.measured(), Some((Loss::Log, 5.0)));
+        search.kept.chi2 = Some(2.0);
+        assert_eq!(search.measured(), Some((Loss::Chi2, 2.0)));
+        search.tell(4.0).unwrap();
+        assert_eq!(search.measured(), Some((Loss::Log, 4.0)));
+    }
 }
