@@ -10,6 +10,7 @@ pub mod doubts;
 mod drift;
 mod enough;
 pub mod fit;
+mod foresight;
 pub mod gram;
 mod indices;
 mod look;

@@ -19,9 +19,10 @@ const LEFT: f64 = 0.5;
 
 /// How much of a derivative must not be noise for more pixels to be worth more than more samples of those seen. It must also be more than the
 /// rendering's part o of the variance, which falls 1 − c + o times as fast with samples as with pixels. And so many samples of each in each half
-/// say what they can.
+/// say what they can; where those are seen that tell most of a roughness, so many are worth more than other pixels.
 const CLEAR: f64 = 0.25;
 const DEEP: f64 = 192.0;
+const DEEPER: f64 = 400.0;
 
 /// What to take more of, and how many times as much as there is, as far as can be said.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,6 +42,8 @@ struct Standing {
     own: f64,
     /// How much of the derivative is not noise.
     clarity: f64,
+    /// Whether the pixels that were foreseen to tell most of it are seen.
+    foreseen: bool,
 }
 
 impl Standing {
@@ -74,19 +77,21 @@ impl Effort<'_> {
     }
 
     /// What would make a recovery as good as is wished for, or as the picture allows; `None` if it is. Seen are `seen` of `all` pixels, by `each`
-    /// samples in each half.
-    pub fn more(&self, parameters: &[Parameter], found: &Recovery, [seen, all]: [f64; 2], each: f64) -> Option<More> {
+    /// samples in each half; those among them that tell most of a roughness, if those were `foreseen`.
+    pub fn more(&self, parameters: &[Parameter], found: &Recovery, [seen, all]: [f64; 2], each: f64, foreseen: bool) -> Option<More> {
         let standing = |(i, parameter): (usize, &Parameter)| {
             let (variance, near) = (found.covariance.at(i, i), self.near(i, parameter, found.values[i]));
             // Where nothing is known, neither of the two is finite.
             let own = (found.own.at(i, i) / variance).min(1.0);
-            Standing { variance: variance / near.powi(2), own, clarity: found.clarity[i] }
+            let foreseen = foreseen && ROUGHNESSES.contains(&parameter.name.as_str());
+            Standing { variance: variance / near.powi(2), own, clarity: found.clarity[i], foreseen }
         };
         let allowed = |s: &Standing| if self.tolerance.is_none() { s.left() / LEFT } else { 0.0 };
         let lacks = |s: &Standing| s.variance > 1.0 && (seen < all || allowed(s) < 1.0);
         let lacking: Vec<Standing> = parameters.iter().enumerate().map(standing).filter(lacks).collect();
         let worst = lacking.iter().max_by(|a, b| a.variance.total_cmp(&b.variance))?;
-        if seen < all && (worst.clarity > worst.own.max(CLEAR) || each >= DEEP) {
+        let pixels = if worst.foreseen { each >= DEEPER } else { worst.clarity > worst.own.max(CLEAR) || each >= DEEP };
+        if seen < all && pixels {
             return Some(More::Pixels(worst.variance));
         }
         Some(More::Samples(lacking.iter().map(|s| s.samples(allowed(s).max(1.0 / s.variance))).fold(1.0, f64::max)))
@@ -98,24 +103,32 @@ mod tests {
     use super::*;
     use crate::anneal::linear::Symmetric;
 
-    /// What is wanted after a look at so many pixels of a thousand, by 40 samples each, of a colour with this standard error.
-    fn wanted(seen: f64, error: f64, own: f64, clarity: f64, tolerance: Option<f64>) -> Option<More> {
-        let parameter = Parameter { name: "red".into(), start: 0.5, low: 0.0, high: 1.0 };
+    fn effort(tolerance: Option<f64>) -> Effort<'static> {
+        Effort { seed: 0, until: None, tolerance, around: None, quick: false, rate: &|_, _| 1.0, told: &|_| {} }
+    }
+
+    /// A parameter, and what was found of it: this standard error, a part of it the rendering's `own`.
+    fn asked(name: &str, error: f64, own: f64, clarity: f64) -> (Parameter, Recovery) {
         let variance = |part: f64| Symmetric::diagonal(&[part * error * error]);
         let found = Recovery {
-            values: vec![0.5],
+            values: vec![0.01],
             covariance: variance(1.0),
             own: variance(own),
             common: variance(0.0),
             misfit: 0.0,
             blur: None,
             chi2: 0.0,
-            pixels: seen as usize,
+            pixels: 500,
             losses: vec![],
             clarity: vec![clarity],
         };
-        let effort = Effort { seed: 0, until: None, tolerance, around: None, quick: false, rate: &|_, _| 1.0, told: &|_| {} };
-        effort.more(&[parameter], &found, [seen, 1000.0], 40.0)
+        (Parameter { name: name.into(), start: 0.5, low: 0.0, high: 1.0 }, found)
+    }
+
+    /// What is wanted after a look at so many pixels of a thousand, by 40 samples each, of a colour with this standard error.
+    fn wanted(seen: f64, error: f64, own: f64, clarity: f64, tolerance: Option<f64>) -> Option<More> {
+        let (parameter, found) = asked("red", error, own, clarity);
+        effort(tolerance).more(&[parameter], &found, [seen, 1000.0], 40.0, false)
     }
 
     #[test]
@@ -128,6 +141,14 @@ mod tests {
         for (seen, own, clarity) in [(500.0, 0.2, 0.1), (500.0, 0.9, 0.5), (1000.0, 0.9, 0.9), (1000.0, 0.1, 0.3)] {
             assert!(matches!(wanted(seen, 2.0 * NEAR, own, clarity, None), Some(More::Samples(times)) if times > 1.0));
         }
+        // Where those pixels are seen that tell most of it, others are worth less.
+        let foreseen = |name: &str, each: f64| {
+            let (parameter, found) = asked(name, 1.9 * NEAR, 0.2, 0.9);
+            effort(None).more(&[parameter], &found, [500.0, 1000.0], each, true)
+        };
+        assert!(matches!(foreseen("rough", 64.0), Some(More::Samples(_))));
+        assert!(matches!(foreseen("rough", DEEPER), Some(More::Pixels(_))));
+        assert!(matches!(foreseen("red", 64.0), Some(More::Pixels(_))));
         // Where nothing is known, much is wanted.
         assert_eq!(wanted(1000.0, f64::INFINITY, 1.0, 0.9, None), Some(More::Samples(f64::INFINITY)));
         // Who asks for less gets it tried.
@@ -137,12 +158,12 @@ mod tests {
     #[test]
     fn so_many_more_samples_leave_what_is_asked() {
         for (own, clarity, part) in [(0.5, 0.5, 0.5), (1.0, 0.3, 0.1), (0.2, 1.0, 0.9), (0.0, 0.4, 0.7), (0.9, 0.9, 0.95)] {
-            let standing = Standing { variance: 1.0, own, clarity };
+            let standing = Standing { variance: 1.0, own, clarity, foreseen: false };
             let x = 1.0 / standing.samples(part);
             let left = (clarity + (1.0 - clarity) * x) * (1.0 - own + own * x);
             assert!((left - part).abs() < 1e-12, "{standing:?}: {left} for {part}");
         }
         // Less than no noise is not to be had.
-        assert_eq!(Standing { variance: 1.0, own: 0.5, clarity: 0.5 }.samples(0.25), f64::INFINITY);
+        assert_eq!(Standing { variance: 1.0, own: 0.5, clarity: 0.5, foreseen: false }.samples(0.25), f64::INFINITY);
     }
 }

@@ -1,6 +1,7 @@
 //! Recovery of plastic, metal, trans and their anisotropic kin.
 
 use super::fit::{Point, Problem, Valley};
+use super::foresight::telling;
 use super::gram::Gram;
 use super::look::{Look, Model, scattered};
 use super::model::{Grid, Kind, alphas, coefficients, exposed, parts};
@@ -78,6 +79,7 @@ impl Kind {
 struct Stage<'a> {
     evidence: &'a Evidence<'a>,
     unknown: &'a Unknown,
+    material: MaterialId,
     kind: Kind,
     /// Roughnesses of the nodes.
     grid: Grid,
@@ -102,6 +104,7 @@ impl<'a> Stage<'a> {
         Self {
             evidence,
             unknown,
+            material,
             kind,
             grid,
             what: transport::Unknown::Rough(Box::new(rough)),
@@ -195,6 +198,11 @@ impl Model for Stage<'_> {
     fn doubtful(&self, clarity: &[f64]) -> Vec<(usize, Vec<f64>)> {
         let doubtful = self.axes().filter(|(_, slot)| clarity[*slot] < DOUBTFUL);
         doubtful.map(|(axis, slot)| (slot, self.grid[axis].clone())).collect()
+    }
+
+    fn telling(&self, pixels: &[usize]) -> Option<Vec<f64>> {
+        let rough = !self.kind.polished && self.sharp() && self.axes().next().is_some();
+        (rough && self.evidence.world.has_environment()).then(|| telling(self.evidence, self.material, self.middle, pixels))
     }
 
     fn glints(&self) -> bool {
