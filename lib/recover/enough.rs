@@ -14,8 +14,10 @@ const NEAR_INDEX: f64 = 0.0003;
 const NEAR_ROUGHNESS: f64 = 0.016;
 const NEAREST_ROUGHNESS: f64 = 0.0002;
 
-/// Or what the picture allows: the part of a variance that would be left whatever was sampled.
+/// Or what the picture allows: the part of a variance that would be left whatever was sampled, where nothing is said and where too small an error
+/// is asked for.
 const LEFT: f64 = 0.5;
+const ALL_LEFT: f64 = 0.8;
 
 /// How much of a derivative must not be noise for more pixels to be worth more than more samples of those seen. It must also be more than the
 /// rendering's part o of the variance, which falls 1 − c + o times as fast with samples as with pixels. And so many samples of each in each half
@@ -86,7 +88,11 @@ impl Effort<'_> {
             let foreseen = foreseen && ROUGHNESSES.contains(&parameter.name.as_str());
             Standing { variance: variance / near.powi(2), own, clarity: found.clarity[i], foreseen }
         };
-        let allowed = |s: &Standing| if self.tolerance.is_none() { s.left() / LEFT } else { 0.0 };
+        let allowed = |s: &Standing| match self.tolerance {
+            None => s.left() / LEFT,
+            Some(_) if s.left() * s.variance < 1.0 => 0.0,
+            Some(_) => s.left() / ALL_LEFT,
+        };
         let lacks = |s: &Standing| s.variance > 1.0 && (seen < all || allowed(s) < 1.0);
         let lacking: Vec<Standing> = parameters.iter().enumerate().map(standing).filter(lacks).collect();
         let worst = lacking.iter().max_by(|a, b| a.variance.total_cmp(&b.variance))?;
@@ -151,8 +157,10 @@ mod tests {
         assert!(matches!(foreseen("red", 64.0), Some(More::Pixels(_))));
         // Where nothing is known, much is wanted.
         assert_eq!(wanted(1000.0, f64::INFINITY, 1.0, 0.9, None), Some(More::Samples(f64::INFINITY)));
-        // Who asks for less gets it tried.
-        assert_eq!(wanted(1000.0, 2.0 * NEAR, 0.2, 0.9, Some(0.5 * NEAR)), Some(More::Samples(f64::INFINITY)));
+        // Who asks for less gets it tried, until hardly anything is left to gain.
+        assert!(matches!(wanted(1000.0, 2.0 * NEAR, 0.2, 0.9, Some(0.5 * NEAR)), Some(More::Samples(times)) if times > 1.0));
+        assert_eq!(wanted(1000.0, 2.0 * NEAR, 0.1, 0.95, Some(0.5 * NEAR)), None);
+        assert!(wanted(1000.0, 2.0 * NEAR, 0.1, 0.95, Some(1.9 * NEAR)).is_some());
     }
 
     #[test]

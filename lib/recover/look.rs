@@ -293,7 +293,8 @@ impl Look<'_> {
             let asked: Vec<f64> = here.iter().zip(&step).zip(self.bounds).map(|((v, s), b)| (v + part * s).clamp(b.0, b.1)).collect();
             Place::new(model, basis, &model.trusted(&asked), self.bounds)
         };
-        let borne = (0..HALVINGS).map(|n| part(0.5f64.powi(n))).find(|place| now.excess(place) < WORSE)?;
+        let worse = WORSE.min(MOST_EXCESS * (basis.samples.len() as f64 / basis.sets as f64).sqrt());
+        let borne = (0..HALVINGS).map(|n| part(0.5f64.powi(n))).find(|place| now.excess(place) < worse)?;
         let taken = now.length(&borne);
         Some((borne, taken))
     }
@@ -302,8 +303,10 @@ impl Look<'_> {
 /// The least part of its standard error that a round may leave of the one before.
 const SURER: f64 = 0.25;
 
-/// By how many standard errors pixels may be farther off after a step, and how often it is halved for that.
+/// By how many standard errors pixels may be farther off after a step, of few pixels in terms of the most that they can be, which is the root of
+/// their number; and how often a step is halved for that.
 const WORSE: f64 = 5.0;
+const MOST_EXCESS: f64 = 0.3;
 const HALVINGS: i32 = 6;
 
 /// A step that is not worth another, in standard errors.

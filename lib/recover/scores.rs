@@ -311,7 +311,9 @@ impl<'a> Scores<'a> {
         let value = |p: usize, c: usize| 0.5 * (self.place.halves[0][p][c] + self.place.halves[1][p][c]).abs();
         let (squares, sizes) = self.moved(|p, c| COMMON * value(p, c) * weight(&self.weights.halves, p, c));
         let correlations = squares.correlations();
-        Symmetric::of(sizes.len(), |i, j| if i == j { sizes[i].powi(2) } else { sizes[i] * sizes[j] * correlations.at(i, j) })
+        // What does not move goes together with nothing.
+        let together = |i: usize, j: usize| if sizes[i] * sizes[j] > 0.0 { sizes[i] * sizes[j] * correlations.at(i, j) } else { 0.0 };
+        Symmetric::of(sizes.len(), |i, j| if i == j { sizes[i].powi(2) } else { together(i, j) })
     }
 
     /// The covariance of the values where a filter has spread the photograph's noise over neighbouring pixels: pixels at the distance d then have
