@@ -12,7 +12,8 @@ mod xform;
 use crate::error::{Error, Result, Source, Span};
 use crate::rad::{Document, ERROR_LIMIT, Primitive, Statement, decode, word};
 use crate::resolve::Resolve;
-use shell::{Stage, pipeline, quoted};
+pub(crate) use shell::quoted;
+use shell::{Stage, pipeline};
 use std::collections::HashMap;
 use std::fmt;
 use std::sync::Arc;
@@ -61,6 +62,11 @@ pub fn expand_all_errors(documents: Vec<Document>, resolve: &dyn Resolve) -> (Fl
 }
 
 fn expand_with(documents: Vec<Document>, resolve: &dyn Resolve, patience: usize) -> (Flat, Vec<Error>) {
+    if resolve.denies()
+        && let Err(error) = refuse_commands(&documents)
+    {
+        return (Flat::default(), vec![error]);
+    }
     let mut expander = Expander {
         resolve,
         patience,
@@ -99,7 +105,7 @@ fn expand_with(documents: Vec<Document>, resolve: &dyn Resolve, patience: usize)
 }
 
 /// An error at the first command of `documents`, for those who want none run.
-pub fn refuse_commands(documents: &[Document]) -> Result<()> {
+fn refuse_commands(documents: &[Document]) -> Result<()> {
     let command = documents.iter().flat_map(|d| &d.statements).find_map(|s| if let Statement::Command(c) = s { Some(c) } else { None });
     command.map_or(Ok(()), |span| Err(span.error("commands are denied; expand the file beforehand, or allow them with `--commands allow`")))
 }

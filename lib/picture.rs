@@ -114,6 +114,11 @@ impl Header {
                 }
             }
         }
+        if ![self.exposure(), self.pixel_aspect()].iter().chain(&self.colorcorr()).all(|&v| v.is_finite() && v > 0.0) {
+            return Err(Error::new(format!(
+                "{name}: the exposures, colour corrections or aspects in the header multiply to no positive number"
+            )));
+        }
         Ok(())
     }
 

@@ -18,6 +18,11 @@ pub trait Resolve: Sync {
 
     /// What the shell command `command` prints, if the user has allowed commands.
     fn command(&self, command: &str) -> Result<Vec<u8>>;
+
+    /// Whether the user wants no command carried out, not even those that run inside the process.
+    fn denies(&self) -> bool {
+        false
+    }
 }
 
 /// Files held in memory; every command is refused.

@@ -22,6 +22,7 @@ const MAX_COMMANDS: usize = 1000;
 pub struct Disk<'a> {
     raypath: Vec<PathBuf>,
     allowed: bool,
+    denied: bool,
     shipped: fn(&str) -> Option<&'static str>,
     /// Hears what went wrong with a command whose output is used all the same.
     console: &'a Console,
@@ -42,6 +43,7 @@ impl<'a> Disk<'a> {
         Self {
             raypath: std::env::split_paths(&raypath).collect(),
             allowed,
+            denied: commands == Some(Commands::Deny),
             shipped,
             console,
             started: AtomicUsize::new(0),
@@ -119,6 +121,10 @@ impl Resolve for Disk<'_> {
         self.count(&output);
         Ok(output)
     }
+
+    fn denies(&self) -> bool {
+        self.denied
+    }
 }
 
 /// What a command prints, and how it ends.
@@ -142,7 +148,15 @@ mod tests {
     fn disk<'a>(directories: &[&Path], commands: Commands, console: &'a Console) -> Disk<'a> {
         let shipped = |name: &str| (name == "own.cal").then_some("own = 1;");
         let raypath = directories.iter().map(|p| p.to_path_buf()).collect();
-        Disk { raypath, allowed: commands == Commands::Allow, shipped, console, started: AtomicUsize::new(0), read: AtomicU64::new(0) }
+        Disk {
+            raypath,
+            allowed: commands == Commands::Allow,
+            denied: commands == Commands::Deny,
+            shipped,
+            console,
+            started: AtomicUsize::new(0),
+            read: AtomicU64::new(0),
+        }
     }
 
     fn silent() -> Console {

@@ -5,6 +5,7 @@ use super::signal;
 use super::stream::plain;
 use crate::args::imgdiff::{DOF, SCALE};
 use crate::error::{Error, Result};
+use crate::expand::quoted;
 use crate::unknown::Unknown;
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
@@ -33,7 +34,7 @@ impl<'a> Exec<'a> {
             directory.map_err(|e| Error::new(format!("no temporary directory: {}; set TMPDIR to a place for one", plain(&e))))?;
         signal::begun(directory.path());
         let file = directory.path().join("material.rad");
-        Ok(Self { command: command.replace("{}", &file.to_string_lossy()), unknown, directory })
+        Ok(Self { command: command.replace("{}", &quoted(&file.to_string_lossy())), unknown, directory })
     }
 
     fn path(&self, name: &str) -> PathBuf {

@@ -7,7 +7,7 @@ use crate::args::anneal::{Arguments, Sharpness};
 use crate::cal;
 use crate::color::Rgb;
 use crate::error::{Error, Result};
-use crate::expand::Flat;
+use crate::expand::{Flat, expand};
 use crate::metric::{self, Loss, Named};
 use crate::picture::{Header, Picture};
 use crate::rad::{Class, Document, Number, Primitive};
@@ -94,7 +94,7 @@ impl<'a> Photo<'a> {
         let mut documents = vec![unknown.source().clone()];
         documents.extend(scene::documents(&photo.scene, &disk)?);
         documents.iter().for_each(|document| disk.count(&document.bytes()));
-        let mut flat = scene::flat_of(documents, &arguments.scene_options, &disk)?;
+        let mut flat = expand(documents, &disk)?;
         // The scene's own definition of the unknown does not count.
         let sought = &unknown.material().name;
         let is_it = |p: &Primitive| p.name == *sought && p.type_of().is_some_and(|t| t.class == Class::Material);

@@ -3,17 +3,18 @@
 use super::Input;
 use super::disk::printed;
 use super::stream::file;
-use crate::args::{Commands, Scenes, ViewWords};
+use crate::args::ViewWords;
 use crate::error::{Error, Result};
-use crate::expand::{Flat, expand, refuse_commands};
 use crate::import::{is_octree, octree};
 use crate::rad::Document;
 use crate::resolve::Resolve;
 use crate::view::View;
 
-/// The name and the bytes of a scene file or octree. A name that begins with `!` is a command that prints one; it was typed, so it may run.
-pub fn typed(input: &Input, name: &str) -> Result<(String, Vec<u8>)> {
+/// The name and the bytes of a scene file or octree. A name that begins with `!` is a command that prints one; it was typed, so it may run
+/// unless all are denied.
+pub fn typed(input: &Input, name: &str, resolve: &dyn Resolve) -> Result<(String, Vec<u8>)> {
     match name.strip_prefix('!') {
+        Some(_) if resolve.denies() => Err(Error::new(format!("{name}: commands are denied; write ./{name} for a file of this name"))),
         Some(command) => match printed(command)? {
             (bytes, status) if status.success() => Ok((name.into(), bytes)),
             (_, status) => Err(Error::new(format!("command {command}: {status}"))),
@@ -27,7 +28,7 @@ pub fn documents(names: &[String], resolve: &dyn Resolve) -> Result<Vec<Document
     let input = Input::default();
     let mut documents = Vec::new();
     for name in names {
-        let (name, bytes) = typed(&input, name)?;
+        let (name, bytes) = typed(&input, name, resolve)?;
         if !is_octree(&bytes) {
             documents.push(Document::read(&name, bytes)?);
             continue;
@@ -35,19 +36,6 @@ pub fn documents(names: &[String], resolve: &dyn Resolve) -> Result<Vec<Document
         documents.extend(octree(&bytes, &name)?.documents(&name, resolve)?);
     }
     Ok(documents)
-}
-
-/// The description that scene files make together.
-pub fn flat(names: &[String], options: &Scenes, resolve: &dyn Resolve) -> Result<Flat> {
-    flat_of(documents(names, resolve)?, options, resolve)
-}
-
-/// The description that documents make together.
-pub fn flat_of(documents: Vec<Document>, options: &Scenes, resolve: &dyn Resolve) -> Result<Flat> {
-    if options.commands == Some(Commands::Deny) {
-        refuse_commands(&documents)?;
-    }
-    expand(documents, resolve)
 }
 
 /// The words of a file that lists modifiers.

@@ -90,7 +90,8 @@ fn understood(planes: &Planes, name: &str) -> Result<(Range<u32>, Header)> {
     if let Some(command) = header.lines.first_mut()
         && let Some((before, after)) = command.split_once(PART_OPTION)
     {
-        let rest = after[1.min(after.len())..].find(' ').map_or("", |at| &after[1 + at..]);
+        // Behind the option stands what it was given.
+        let rest = after.char_indices().skip(1).find(|(_, c)| *c == ' ').map_or("", |(at, _)| &after[at..]);
         *command = format!("{before}{PART_OPTION}{rest}");
     }
     Ok((range, header))

@@ -62,7 +62,8 @@ impl Pixel {
     pub fn converged(budget: Budget, seed: u64, pixel: u64, mut sample: impl FnMut(Sampler) -> (Rgb, Outcome)) -> Self {
         let start = matches!(budget, Budget::Time(_)).then(Instant::now);
         let mut so_far = Self::default();
-        for index in 0..MOST {
+        let most = if matches!(budget, Budget::Error(_)) { MOST } else { u32::MAX };
+        for index in 0..most {
             let done = match budget {
                 Budget::Samples(samples) => index >= samples,
                 Budget::Time(time) => index > 0 && start.is_some_and(|start| start.elapsed() >= time),

@@ -1,11 +1,10 @@
 //! rparse: reads scene descriptions.
 
-use inverad::args::Commands;
 use inverad::args::rparse::Args;
 use inverad::check::check;
 use inverad::cli::{self, Answer, Console, Disk, Input, Outcome, Output};
 use inverad::error::{Error, Source};
-use inverad::expand::{Flat, expand, expand_all_errors, refuse_commands};
+use inverad::expand::{Flat, expand, expand_all_errors};
 use inverad::import::is_octree;
 use inverad::inventory::Inventory;
 use inverad::rad::{self, Document, Links, Type};
@@ -23,28 +22,24 @@ fn main() -> ExitCode {
 
 fn run(args: Args, console: &Console) -> Outcome<Answer> {
     let input = Input::default();
+    let disk = Disk::new(args.scenes.commands, cal::shipped, console);
     let mut sources = Vec::new();
     for name in &args.files {
-        let (name, bytes) = cli::typed(&input, name)?;
+        let (name, bytes) = cli::typed(&input, name, &disk)?;
         if is_octree(&bytes) {
             let remedy = "rtrace-rs reads it; give rparse the scene files that it was made from";
             return Err(Error::new(format!("{name}: this is an octree, not a scene file: {remedy}")).into());
         }
         sources.push(Source::new(name, rad::decode(bytes)));
     }
-    let disk = Disk::new(args.scenes.commands, cal::shipped, console);
-    let deny = args.scenes.commands == Some(Commands::Deny);
     if args.mode.check {
-        return Ok(report(sources, &disk, deny, console));
+        return Ok(report(sources, &disk, console));
     }
     let mut documents = sources.into_iter().map(Document::parse).collect::<Result<Vec<_>, Error>>()?;
     let text = if args.mode.keep {
         args.set.iter().try_for_each(|setting| rad::set(&mut documents, setting))?;
         whole(&documents)
     } else {
-        if deny {
-            refuse_commands(&documents)?;
-        }
         let flat = expand(documents, &disk)?;
         flat.warnings.iter().for_each(|warning| console.warn(warning));
         rad::encode(&print(&args, flat))
@@ -82,33 +77,29 @@ fn print(args: &Args, mut flat: Flat) -> String {
 }
 
 /// Says everything that is wrong.
-fn report(sources: Vec<Arc<Source>>, resolve: &dyn Resolve, deny: bool, console: &Console) -> Answer {
+fn report(sources: Vec<Arc<Source>>, resolve: &dyn Resolve, console: &Console) -> Answer {
     let (mut documents, mut errors) = (Vec::new(), Vec::new());
     for source in sources {
         let (document, mut wrong) = Document::parse_all_errors(source);
         documents.push(document);
         errors.append(&mut wrong);
     }
-    if deny && let Err(error) = refuse_commands(&documents) {
-        errors.push(error);
-    } else {
-        let (flat, mut wrong) = expand_all_errors(documents, resolve);
-        errors.append(&mut wrong);
-        let mut problems = check(&flat, resolve);
-        errors.append(&mut problems.errors);
-        let warnings = flat.warnings.into_iter().chain(problems.warnings.iter().map(Error::remark));
-        let more = warnings
-            .enumerate()
-            .filter(|(i, warning)| {
-                *i >= WARNINGS || {
-                    console.warn(warning);
-                    false
-                }
-            })
-            .count();
-        if more > 0 {
-            console.warn(&format!("{more} more warnings are not shown"));
-        }
+    let (flat, mut wrong) = expand_all_errors(documents, resolve);
+    errors.append(&mut wrong);
+    let mut problems = check(&flat, resolve);
+    errors.append(&mut problems.errors);
+    let warnings = flat.warnings.into_iter().chain(problems.warnings.iter().map(Error::remark));
+    let more = warnings
+        .enumerate()
+        .filter(|(i, warning)| {
+            *i >= WARNINGS || {
+                console.warn(warning);
+                false
+            }
+        })
+        .count();
+    if more > 0 {
+        console.warn(&format!("{more} more warnings are not shown"));
     }
     for error in &errors {
         let _ = writeln!(io::stderr(), "rparse: {error}");

@@ -5,6 +5,7 @@ use inverad::cal;
 use inverad::cli::rays::{Stream, answer};
 use inverad::cli::{self, Answer, Console, Disk, Outcome, Output, film, interrupted};
 use inverad::error::{Error, Result, Source};
+use inverad::expand::expand;
 use inverad::rays::{Fields, Format, Teller, lengths};
 use inverad::render::{Film, Task, coverage, features, part, render};
 use inverad::resolve::Resolve;
@@ -46,7 +47,7 @@ fn run(args: Arguments, console: &Console) -> Outcome<Answer> {
 
 /// The world of the scene that was named.
 fn world(args: &Arguments, rules: &Rules, disk: &Disk, console: &Console) -> Outcome<World> {
-    let flat = cli::flat(&args.scenes(), &args.scene_options, disk)?;
+    let flat = expand(cli::documents(&args.scenes(), disk)?, disk)?;
     let mut definitions: Vec<Arc<Source>> = args.definitions.iter().map(|text| Source::new("-e", text.as_str())).collect();
     for name in &args.function_files {
         definitions.push(Source::new(name.as_str(), String::from_utf8_lossy(&disk.library(name)?)));

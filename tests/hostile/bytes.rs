@@ -62,6 +62,7 @@ pub fn pictures() -> Vec<Case> {
         ("no empty line", changed(&good, b"\n\n", b"\n")),
         ("an exposure of words", changed(&good, b"FORMAT", b"EXPOSURE=much\nFORMAT")),
         ("an exposure of 0", changed(&good, b"FORMAT", b"EXPOSURE=0\nFORMAT")),
+        ("exposures beyond all numbers", changed(&good, b"FORMAT", b"EXPOSURE=1e200\nEXPOSURE=1e200\nFORMAT")),
         ("a negative exposure", changed(&good, b"FORMAT", b"EXPOSURE=-1\nFORMAT")),
         ("an exposure that is not a number", changed(&good, b"FORMAT", b"EXPOSURE=nan\nFORMAT")),
         ("a colour correction of two", changed(&good, b"FORMAT", b"COLORCORR=1 1\nFORMAT")),

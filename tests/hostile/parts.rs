@@ -52,6 +52,14 @@ pub fn parts() -> Vec<Case> {
     let mut broken = cuts(&second, 12);
     broken.extend(named(nonsense()));
     broken.extend(named(vec![
+        (
+            "an option that goes on with other letters",
+            with(&second, |p| {
+                let line = &mut p.header.lines[0];
+                *line = line.replace("--samples ", "--samples\u{e9} ");
+                says(p, "4");
+            }),
+        ),
         ("no samples", with(&second, |p| without(p, "samples"))),
         ("no surfaces", with(&second, |p| without(p, "surface"))),
         ("half of a sum", with(&second, |p| without(p, "sum0.00.R.low"))),
