@@ -1,7 +1,7 @@
 //! The record of a ray: what it meets, and the light that it brings.
 
 use super::fields::{Field, Fields, Space, Writer};
-use super::tree::{Fate, Met, Tree, nothing};
+use super::tree::{DARK, Fate, Met, Tree, nothing};
 use super::{Asked, Form, Format};
 use crate::color::Rgb;
 use crate::geometry::{FAR, Ray};
@@ -118,7 +118,7 @@ impl<'w> Teller<'w> {
             let outcome = integrator.trace(&mut tree, *ray, limit, sampler);
             (tree.sum() - before, outcome)
         });
-        let fate = tree.fate(0);
+        let fate = tree.fates()[0];
         let mean = 1.0 / pixel.samples().max(1) as f64;
         Fate { light: fate.light * mean, mirrored: fate.mirrored * mean, ..fate }
     }
@@ -158,26 +158,30 @@ impl<'w> Teller<'w> {
         for index in 0..samples {
             let mut tree = Tree::new(self.world, self.rules, true);
             let outcome = integrator.trace(&mut tree, *ray, limit, Sampler::new(self.seed, number, 0, index));
-            self.descend(&tree, 0, 0, writer);
+            let fates = tree.fates();
+            self.descend(&tree, &fates, writer);
             sum += tree.sum();
             if index + 1 == samples || !outcome.random {
                 let light = if outcome.random { sum / samples as f64 } else { tree.sum() };
-                let fate = Fate { light, ..own(&tree, 0).0 };
+                let fate = Fate { light, ..own(&tree, &fates, 0).0 };
                 return self.write(writer, &self.fields.ray, &record(&tree, 0, &(fate, light)));
             }
         }
     }
 
-    fn descend(&self, tree: &Tree<'w>, node: usize, level: usize, writer: &mut Writer) {
-        for child in tree.children(node, self.fields.shadows) {
-            self.descend(tree, child, level + 1, writer);
+    /// Writes the records of all rays of a tree, each after those of the rays that it leads to.
+    fn descend(&self, tree: &Tree<'w>, fates: &[Fate], writer: &mut Writer) {
+        let mut open = vec![(0, 0, false)];
+        while let Some((node, level, told)) = open.pop() {
+            if !told {
+                open.push((node, level, true));
+                open.extend(tree.children(node, fates, self.fields.shadows).into_iter().rev().map(|child| (child, level + 1, false)));
+            } else if self.fields.tells_of(tree.nodes[node].met.names.map(|n| n.modifier)) {
+                // Tabs are written in every form.
+                writer.bytes.extend(std::iter::repeat_n(b'\t', level));
+                self.write(writer, &self.fields.every, &record(tree, node, &own(tree, fates, node)));
+            }
         }
-        if !self.fields.tells_of(tree.nodes[node].met.names.map(|n| n.modifier)) {
-            return;
-        }
-        // Tabs are written in every form.
-        writer.bytes.extend(std::iter::repeat_n(b'\t', level));
-        self.write(writer, &self.fields.every, &record(tree, node, &own(tree, node)));
     }
 
     fn write(&self, writer: &mut Writer, fields: &[Field], record: &Record) {
@@ -219,13 +223,10 @@ pub fn lengths(task: &Task) -> Vec<f64> {
         let mut tree = Tree::new(task.world, task.rules, false);
         let sampler = Sampler::new(task.seed, number as u64, 0, 0);
         Integrator::new(task.world, task.rules).trace(&mut tree, Ray { origin, direction }, limit, sampler);
-        tree.fate(0).effective()
+        tree.fates()[0].effective()
     };
     (0..task.count).into_par_iter().map(length).collect()
 }
-
-/// What becomes of a ray that finds no light.
-const DARK: Fate = Fate { light: Rgb::ZERO, mirrored: Rgb::ZERO, mirrored_length: FAR, unmirrored_length: FAR };
 
 /// The record of a ray that was asked about.
 fn whole<'a, 'w>(ray: &'a Ray, met: &'a Met<'w>, fate: &'a Fate) -> Record<'a, 'w> {
@@ -233,8 +234,8 @@ fn whole<'a, 'w>(ray: &'a Ray, met: &'a Met<'w>, fate: &'a Fate) -> Record<'a, '
 }
 
 /// What becomes of a ray in a tree by itself, and what its light comes to at the viewer.
-fn own(tree: &Tree, node: usize) -> (Fate, Rgb) {
-    let (fate, coefficient) = (tree.fate(node), tree.nodes[node].coefficient);
+fn own(tree: &Tree, fates: &[Fate], node: usize) -> (Fate, Rgb) {
+    let (fate, coefficient) = (fates[node], tree.nodes[node].coefficient);
     let own = |light: Rgb| Rgb::select(coefficient.cmpeq(Rgb::ZERO), Rgb::ZERO, light / coefficient);
     (Fate { light: own(fate.light), mirrored: own(fate.mirrored), ..fate }, fate.light)
 }

@@ -67,6 +67,9 @@ pub struct Fate {
     pub unmirrored_length: f64,
 }
 
+/// What becomes of a ray that finds no light.
+pub const DARK: Fate = Fate { light: Rgb::ZERO, mirrored: Rgb::ZERO, mirrored_length: FAR, unmirrored_length: FAR };
+
 impl Fate {
     /// The light that came by no mirror. (Inlined, it would be reckoned for records that do not tell it.)
     #[inline(never)]
@@ -116,7 +119,7 @@ impl<'w> Tree<'w> {
 
     /// The rays that a ray leads to, in RADIANCE's order: those that go on, mirrored ones, scattered ones, then those that looked for a light
     /// and found it, the brightest first; without `shadows`, only those that came through something.
-    pub fn children(&self, node: usize, shadows: bool) -> Vec<usize> {
+    pub fn children(&self, node: usize, fates: &[Fate], shadows: bool) -> Vec<usize> {
         let order = |kind: Kind| match kind {
             Kind::Primary | Kind::Passed | Kind::Transmitted => 0,
             Kind::Reflected => 1,
@@ -125,7 +128,7 @@ impl<'w> Tree<'w> {
         };
         let mut children: Vec<(u8, f64, usize)> = Vec::new();
         for &child in &self.nodes[node].children {
-            let (kind, light) = (self.nodes[child].kind, bright(self.fate(child).light));
+            let (kind, light) = (self.nodes[child].kind, bright(fates[child].light));
             let told = light > 0.0 && (shadows || !self.nodes[child].lit);
             if kind != Kind::Shadow {
                 children.push((order(kind), 0.0, child));
@@ -142,12 +145,22 @@ impl<'w> Tree<'w> {
         self.nodes[node].shadow && !self.nodes[node].lit
     }
 
-    /// What becomes of a ray.
-    pub fn fate(&self, node: usize) -> Fate {
+    /// What becomes of each ray.
+    pub fn fates(&self) -> Vec<Fate> {
+        let mut fates = vec![DARK; self.nodes.len()];
+        // Rays stand behind those that they come from.
+        for node in (0..fates.len()).rev() {
+            fates[node] = self.fate(node, &fates);
+        }
+        fates
+    }
+
+    /// What becomes of a ray, where that is known of those that it leads to.
+    fn fate(&self, node: usize, fates: &[Fate]) -> Fate {
         let Node { met, extends, light, children, .. } = &self.nodes[node];
-        let mut fate = Fate { light: *light, mirrored: Rgb::ZERO, mirrored_length: FAR, unmirrored_length: met.length };
+        let mut fate = Fate { light: *light, unmirrored_length: met.length, ..DARK };
         for &child in children {
-            let next = self.fate(child);
+            let next = fates[child];
             fate.light += next.light;
             match self.nodes[child].kind {
                 Kind::Passed => {
