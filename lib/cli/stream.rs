@@ -3,6 +3,7 @@
 use super::{Outcome, Stop, signal};
 use crate::error::{Error, Result};
 use crate::rad::encode;
+use std::collections::HashSet;
 use std::ffi::{OsStr, OsString};
 use std::fs::File;
 use std::io::{self, BufWriter, ErrorKind, Read, Write};
@@ -112,14 +113,23 @@ impl Output {
         Ok(Self { name, to: To::File(BufWriter::with_capacity(1 << 16, file), path) })
     }
 
-    /// Errors if a file that is to be written later could not be, so that long work is not done for nothing. What is there stays as it is; a
-    /// pipe or a device is not tried, since whoever reads it would take the trial for the whole.
-    pub fn possible(path: &Path) -> Outcome<()> {
-        if std::fs::metadata(path).is_ok_and(|m| !m.is_file() && !m.is_dir()) {
-            return Ok(());
-        }
-        if let To::File(writer, _) = &Self::create(Some(path))?.to {
-            signal::ended(writer.get_ref().path());
+    /// Errors if one of the files that are to be written later could not be, or is named twice, so that long work is not done for nothing. What is
+    /// there stays as it is; a pipe or a device is not tried, since whoever reads it would take the trial for the whole.
+    pub fn possible<'a>(paths: impl IntoIterator<Item = &'a Path>) -> Outcome<()> {
+        let mut places = HashSet::new();
+        for path in paths {
+            if std::fs::metadata(path).is_ok_and(|m| !m.is_file() && !m.is_dir()) {
+                continue;
+            }
+            let mut place = None;
+            if let To::File(writer, path) = Self::create(Some(path))?.to {
+                signal::ended(writer.get_ref().path());
+                let directory = writer.get_ref().path().parent().and_then(|directory| directory.canonicalize().ok());
+                place = Some((directory, path.file_name().map(OsStr::to_os_string)));
+            }
+            if !places.insert(place) {
+                return Err(Error::new(format!("{}: named for two outputs; give each a file of its own", path.display())).into());
+            }
         }
         Ok(())
     }
@@ -237,10 +247,12 @@ mod tests {
         let directory = tempfile::tempdir().unwrap();
         let path = directory.path().join("file");
         std::fs::write(&path, "old").unwrap();
-        for could in [&path, &directory.path().join("new"), Path::new("-"), Path::new("/dev/null")] {
-            Output::possible(could).unwrap();
+        let new = directory.path().join("new");
+        Output::possible([&*path, &*new, Path::new("-"), Path::new("/dev/null"), Path::new("/dev/null")]).unwrap();
+        assert!(Output::possible([&*directory.path().join("no/such")]).is_err() && Output::possible([directory.path()]).is_err());
+        for twice in [[&*path, &*directory.path().join("./file")], [&*new, &*new], [Path::new("-"), Path::new("-")]] {
+            assert!(matches!(Output::possible(twice), Err(Stop::Failed(e)) if e.message.contains("named for two outputs")));
         }
-        assert!(Output::possible(&directory.path().join("no/such")).is_err() && Output::possible(directory.path()).is_err());
         assert_eq!(std::fs::read(&path).unwrap(), b"old");
         assert_eq!(std::fs::read_dir(&directory).unwrap().count(), 1);
     }

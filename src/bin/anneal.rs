@@ -21,8 +21,8 @@ fn main() -> ExitCode {
 
 fn run(arguments: Arguments, console: &Console) -> Outcome<Answer> {
     let (output, job) = (arguments.common.output.as_deref(), arguments.job()?);
-    let files = [output, arguments.search.state.as_deref(), arguments.search.report.as_deref()];
-    files.into_iter().flatten().try_for_each(Output::possible)?;
+    let SearchOptions { state, report, log, .. } = &arguments.search;
+    Output::possible([output, state.as_deref(), report.as_deref(), log.as_deref()].into_iter().flatten())?;
     match job {
         Job::Search(start) => search(&start, &arguments, console),
         Job::Propose(state, start) => {

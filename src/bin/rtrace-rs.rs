@@ -29,7 +29,7 @@ fn run(args: Arguments, console: &Console) -> Outcome<Answer> {
         return Output::whole(None, text.as_bytes()).map(|()| answer);
     }
     args.possible()?;
-    args.files().try_for_each(Output::possible)?;
+    Output::possible(args.files())?;
     if args.merge {
         return film::merge(&args).map(|()| Answer::Yes);
     }

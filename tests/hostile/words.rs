@@ -42,6 +42,8 @@ pub fn arguments() -> Vec<Case> {
         ("imgdiff --fail-above x a a", "x"),
         ("imgdiff --heatmap no/such/h.png a a", "no/such"),
         ("imgdiff -o /dev/full a a", "/dev/full"),
+        ("imgdiff --heatmap h.png --side-by-side h.png a a", "h.png: named for two outputs"),
+        ("imgdiff -o h.png --heatmap ./h.png a a", "h.png: named for two outputs"),
         ("imgdiff - -", "standard input"),
         ("imgdiff --all --metric mse a a", "--metric"),
         // The renderer.
@@ -79,6 +81,9 @@ pub fn arguments() -> Vec<Case> {
         ("SEE -o /dev/full main.rad", "/dev/full"),
         ("SEE --variance /dev/full main.rad", "/dev/full"),
         ("SEE --variance no/such/v.exr main.rad", "no/such"),
+        ("SEE -o v.exr --variance v.exr main.rad", "v.exr: named for two outputs"),
+        ("SEE -z v.exr --aov normal ./v.exr main.rad", "v.exr: named for two outputs"),
+        ("SEE -o main.rad --variance ./main.rad main.rad", "main.rad: named for two outputs"),
         ("SEE -x 99999999999 -y 99999999999 main.rad", "2^28"),
         ("SEE --error 0.1 main.rad", "--error"),
         ("SEE --time 1 main.rad", "--time"),
@@ -132,6 +137,8 @@ pub fn arguments() -> Vec<Case> {
         ("anneal --exec echo~1 --log no/such/log main.rad", "no/such/log"),
         ("anneal --exec echo~1 --log /dev/full main.rad", "/dev/full"),
         ("anneal --exec echo~1 --state no/such/state --steps 4 main.rad", "no/such/state"),
+        ("anneal --exec echo~1 --state s --report s main.rad", "s: named for two outputs"),
+        ("anneal --exec echo~1 --log s -o s main.rad", "s: named for two outputs"),
         ("anneal --exec echo~1 -o /dev/full --steps 4 main.rad", "/dev/full"),
     ]
     .map(|(line, place)| (line.replace("SEE", SEE), place))
