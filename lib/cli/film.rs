@@ -58,7 +58,9 @@ pub fn reached(rendering: &Rendering) -> String {
 
 /// Writes a finished rendering, and its variance where that is asked for.
 pub fn finish(arguments: &Arguments, size: (usize, usize), mut header: Header, rendering: &Rendering) -> Outcome<()> {
-    header.push(&format!("NOISE= {:.6}", rendering.noise()));
+    if rendering.noise().is_finite() {
+        header.push(&format!("NOISE= {:.6}", rendering.noise()));
+    }
     let options = &arguments.picture;
     if let Some(path) = &options.variance {
         let variances = rendering.pixels.iter().map(|p| rendering.variance(p).to_array().map(|v| v as f32));

@@ -73,20 +73,27 @@ pub(super) struct Noise {
 /// The error of a picture, from the distance between the two independent sets of each pixel.
 pub(super) fn noise(pixels: &[Pixel]) -> Noise {
     const { assert!(SETS == 2) };
-    // Sums of the variance, of the spread and its square, of the light of what shows a surface, and its count, always in the same order.
+    // Sums of the variance, of the spread and its square, of the light of what shows a surface, its count, and that of pixels whose variance one
+    // sample cannot tell, with that of samples elsewhere; always in the same order.
     let sums = pixels.par_chunks(4096).map(|pixels| {
-        let mut sums = [0.0; 5];
+        let mut sums = [0.0; 7];
         for pixel in pixels.iter().filter(|p| p.surface && p.samples() > 0) {
-            let spread = pixel.spread().1;
-            let terms = [pixel.variance().1, spread, spread * spread, bright(pixel.mean()), 1.0];
+            let (variance, spread) = (pixel.variance().1, pixel.spread().1);
+            let told = match variance == f64::INFINITY {
+                false => [variance, spread, spread * spread, 0.0, variance * pixel.samples() as f64],
+                true => [0.0, 0.0, 0.0, 1.0, 0.0],
+            };
+            let terms = told.into_iter().chain([bright(pixel.mean()), 1.0]);
             sums.iter_mut().zip(terms).for_each(|(sum, term)| *sum += term);
         }
         sums
     });
-    let sums: Vec<[f64; 5]> = sums.collect();
-    let [variance, spread, squared, light, shown] = std::array::from_fn(|i| sums.iter().map(|sums| sums[i]).sum::<f64>());
-    // Pixels that there was no time for may show anything.
-    if shown == 0.0 && pixels.iter().any(|pixel| pixel.samples() == 0) {
+    let sums: Vec<[f64; 7]> = sums.collect();
+    let [told, spread, squared, untold, each, light, shown] = std::array::from_fn(|i| sums.iter().map(|sums| sums[i]).sum::<f64>());
+    // Where time ended before a pixel's second sample, take the one it has to vary as those of other pixels do.
+    let variance = if untold > 0.0 { told + untold * each / (shown - untold) } else { told };
+    // Pixels that there was no time for may show anything, and nothing is known of how single samples vary.
+    if untold == shown && pixels.iter().any(|pixel| pixel.samples() == 0 || untold > 0.0) {
         return Noise { error: f64::INFINITY, doubt: 0.0, factor: 1.0 };
     }
     if variance == 0.0 {
@@ -112,3 +119,26 @@ pub(super) fn reached(noise: &Noise, error: f64) -> bool {
 
 /// How many standard errors a normal variable stays within, on one side, in 95 of 100 cases.
 const CONFIDENCE: f64 = 1.645;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::color::Rgb;
+
+    #[test]
+    fn the_error_is_known_where_time_ended_before_the_second_sample_of_some_pixels() {
+        // A number uniform in [0, 1) has the mean 1/2 and the variance 1/12.
+        let pixel = |number: u64, samples: u64| {
+            let mut pixel = Pixel::default();
+            pixel.surface = true;
+            let value = |i| Rgb::splat(mix64(number << 32 | i) as f64 / 2f64.powi(64));
+            (0..samples).for_each(|i| pixel.add(i as usize % SETS, value(i)));
+            pixel
+        };
+        let error = |samples: &dyn Fn(u64) -> u64| noise(&(0..8000).map(|number| pixel(number, samples(number))).collect::<Vec<_>>()).error;
+        let truth = ((0.75 / 16.0 + 0.25) / 12.0f64).sqrt() / 0.5;
+        let found = error(&|number| if number % 4 == 0 { 1 } else { 16 });
+        assert!((found / truth - 1.0).abs() < 0.05, "{found} {truth}");
+        assert_eq!(error(&|_| 1), f64::INFINITY);
+    }
+}
