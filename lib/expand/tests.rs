@@ -90,6 +90,17 @@ fn argument_files_make_a_copy_for_each_line() {
 }
 
 #[test]
+fn what_is_wrong_with_valid_is_said() {
+    let surface = |valid: &str| flat(&[("a.rad", &*format!("!gensurf m s s t 's*t' 1 1 -e 'valid({valid}'"))]).unwrap();
+    let count = |valid: &str| (surface(valid).primitives.len(), surface(valid).warnings.concat());
+    assert_eq!((count("s,t)=s-2").0, count("s,t)=1").0), (0, 2));
+    // As in RADIANCE, a function of one parameter is none.
+    assert_eq!(count("s)=s-2").0, 2);
+    let (none, said) = count("s,t)=nowhere(s)");
+    assert!(none == 0 && said.contains("nowhere"), "{said}");
+}
+
+#[test]
 fn commands_in_a_file_run_in_its_directory() {
     let files = [
         ("a.rad", "!xform -c -t 1 0 0 d/b.rad\n!cat d/c.rad | xform -s 2\n!echo m sphere e 0 0 4 0 0 0 1"),

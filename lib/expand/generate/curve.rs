@@ -45,6 +45,11 @@ impl Functions {
         Ok(count as usize)
     }
 
+    /// How many parameters the function of that name has, if it is defined.
+    pub fn parameters(&mut self, name: &str) -> Option<usize> {
+        self.library.parameters(name, FileId::GLOBAL)
+    }
+
     /// The program of some expressions in the variables `parameters` (`t`, or `s,t`).
     pub fn compile(&mut self, parameters: &str, expressions: &[(&str, &str)]) -> Result<Program> {
         let names: Vec<String> = expressions.iter().map(|(name, _)| format!("curve_{name}")).collect();

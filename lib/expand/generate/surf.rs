@@ -72,7 +72,8 @@ pub fn gensurf(arguments: &[String], read: Read) -> Result<String> {
     let expression = |axis: usize, text| if data.is_some_for(axis) { "0" } else { text };
     let program = functions.compile("s,t", &[("x", expression(0, x)), ("y", expression(1, y)), ("z", expression(2, z))])?;
     // Where this is not positive, there is no vertex.
-    let valid = functions.compile("s,t", &[("valid", "valid(s,t)")]).ok();
+    let is_defined = functions.parameters("valid") == Some(2);
+    let valid = is_defined.then(|| functions.compile("s,t", &[("valid", "valid(s,t)")])).transpose()?;
     let point = |i: usize, j: usize| -> Option<Vec3> {
         let parameters = [(i as f64 - 1.0) / m as f64, (j as f64 - 1.0) / n as f64];
         let is_valid = |valid: &Program| valid.call(&Context::default(), &parameters).is_ok_and(|[valid]| valid > 0.0);
