@@ -240,6 +240,31 @@ fn answers_do_not_depend_on_threads_and_meet_the_error_asked_for() {
 }
 
 #[test]
+fn a_glow_without_a_radius_is_not_seen_where_light_sources_are_not() {
+    // What rtrace of RADIANCE 6.1 says of a ball and of a distant source, for glows of several radii.
+    for (radius, wanted) in [("-1", [0.0, 0.0]), ("0", [1.0, 1.0]), (".5", [1.0, 1.0]), ("5", [0.0, 1.0])] {
+        for (surface, wanted) in ["sphere s 0 0 4 0 0 0 1", "source s 0 0 4 0 1 0 30"].into_iter().zip(wanted) {
+            let said = records(&format!("void glow g 0 0 4 1 1 1 {radius}\ng {surface}\n"), "-h -ab 0 -dv-", "0 -5 0 0 1 0\n");
+            let said = String::from_utf8(said).unwrap();
+            assert_eq!(said.split('\t').next().unwrap().parse::<f64>().unwrap(), wanted, "{radius} {surface}");
+        }
+    }
+}
+
+#[test]
+fn a_ray_through_many_panes_is_told_of() {
+    let said = |panes: usize, letters: &str| {
+        let ball = "void glow w 0 0 4 1 1 1 0\nw sphere s 0 0 4 0 0 -3 1\nvoid glass g 0 0 4 1 1 1 1";
+        let scene = format!("{ball}\n!echo g ring r 0 0 8 0 0 0 0 0 1 0 1 | xform -a {panes} -t 0 0 .01\n");
+        let origin = format!("0 0 {}.5 0 0 -1\n", panes / 100);
+        String::from_utf8(records(&scene, &format!("-h -u- -ab 0 -lr 1000000 -lw 1e-9 -o{letters}"), &origin)).unwrap()
+    };
+    assert!(near(said(40_000, "Ll").split_whitespace().nth(1).unwrap().parse().unwrap(), 402.5));
+    // Each of them has a record.
+    assert_eq!(said(2000, "tL").lines().count(), 2001);
+}
+
+#[test]
 fn every_sample_of_a_tree_is_told_if_a_number_is_given() {
     let scene =
         "void glow g 0 0 4 1 1 1 0\ng source sky 0 0 4 0 0 1 360\nvoid plastic p 0 0 5 .5 .5 .5 0 0\np ring r 0 0 8 0 0 0 0 0 1 0 9\n";

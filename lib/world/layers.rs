@@ -91,6 +91,11 @@ pub enum Emitter {
     Hidden,
 }
 
+/// Whether a glow that far away is beyond its radius. One without any, below 0, is not; as in RADIANCE, which takes it for a lamp there.
+fn is_beyond(distance: f64, radius: f64) -> bool {
+    radius >= -1e-6 && distance > radius
+}
+
 impl Emission {
     /// No light.
     const BLACK: Self = Self { radiance: Rgb::ZERO, emitter: Emitter::Hidden, beyond: false };
@@ -133,7 +138,7 @@ impl World {
         Some(match &material.material {
             Material::Glow(radiance, radius) => {
                 let seen = if *radius < -1e-6 || *radius >= FAR { Emitter::Hidden } else { Emitter::Environment };
-                Emission { radiance: *radiance * pattern, emitter: seen, beyond: FAR > *radius }
+                Emission { radiance: *radiance * pattern, emitter: seen, beyond: is_beyond(FAR, *radius) }
             }
             material => {
                 let emitter = lamp.map_or(Emitter::Hidden, Emitter::Lamp);
@@ -337,7 +342,7 @@ impl Place<'_> {
                     _ if *radius < -1e-6 || self.distance <= *radius => Emitter::Hidden,
                     _ => Emitter::Glow,
                 };
-                layer.emission = Some(Emission { radiance: *radiance * pattern, emitter, beyond: self.at.t > *radius });
+                layer.emission = Some(Emission { radiance: *radiance * pattern, emitter, beyond: is_beyond(self.at.t, *radius) });
             }
             // A ray that meets the surface from inside has come through the body.
             Material::Dielectric(inside) | Material::Interface(inside, _) if !front => {
