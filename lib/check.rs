@@ -24,7 +24,7 @@ pub fn check(flat: &Flat, resolve: &dyn Resolve) -> Problems {
     let primitives = &flat.primitives;
     let links = Links::of(primitives);
     let used = links.used(primitives);
-    let mut checker = Checker { primitives, links, problems: Problems::default(), later: names(primitives), files: HashMap::new() };
+    let mut checker = Checker { primitives, links, problems: Problems::default(), known_names: names(primitives), files: HashMap::new() };
     let mut unread = HashSet::new();
     for (i, primitive) in primitives.iter().enumerate() {
         checker.names(i);
@@ -56,7 +56,7 @@ struct Checker<'a> {
     links: Links,
     problems: Problems,
     /// Where each name is first that of a modifier, and which names are those of surfaces.
-    later: (HashMap<&'a str, usize>, HashSet<&'a str>),
+    known_names: (HashMap<&'a str, usize>, HashSet<&'a str>),
     /// Of each file that surfaces name whether it is none of RADIANCE's; or why it cannot be read.
     files: HashMap<String, Result<bool, String>>,
 }
@@ -93,7 +93,7 @@ impl Checker<'_> {
     }
 
     fn undefined(&self, name: &str, user: usize) -> String {
-        let (modifiers, surfaces) = &self.later;
+        let (modifiers, surfaces) = &self.known_names;
         match modifiers.get(name) {
             Some(&i) if i >= user => {
                 let (line, _) = self.primitives[i].span.line_column();

@@ -12,7 +12,6 @@ use std::f64::consts::{FRAC_PI_2, PI};
 /// Extraterrestrial irradiance, W/m², and illuminance, lux.
 const SOLAR_CONSTANT: f64 = 1367.0;
 const SOLAR_CONSTANT_LUX: f64 = 127500.0;
-/// RADIANCE's lumens per watt of white.
 /// Half the angle that the sun takes, degrees.
 const SUN_HALF_ANGLE: f64 = 0.2665;
 /// Precipitable water in the atmosphere, cm.
