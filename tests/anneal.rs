@@ -53,6 +53,18 @@ fn worst(found: &[f64]) -> f64 {
 }
 
 #[test]
+fn the_file_of_a_candidate_is_one_word_wherever_it_is() {
+    let directory = directory();
+    let place = directory.path().join("a b's");
+    fs::create_dir(&place).unwrap();
+    for word in ["{}", "'{}'", "\"{}\""] {
+        let exec = FAKE.replace("$MATERIAL", word);
+        let done = command(directory.path(), &["--exec", &exec, "--steps", "4", "start.rad"]).env("TMPDIR", &place).output().unwrap();
+        assert_eq!(text(&done.stderr).matches("error: ").count(), 0, "{word}: {}", text(&done.stderr));
+    }
+}
+
+#[test]
 fn a_command_leads_to_the_material() {
     let directory = directory();
     let done = run(directory.path(), &["--exec", FAKE, "--steps", "150", "--log", "log.jsonl", "start.rad"]);

@@ -26,7 +26,7 @@ pub struct Exec<'a> {
 }
 
 impl<'a> Exec<'a> {
-    /// The shell command `command`, in which `{}` stands for the candidate's file, as `$MATERIAL` does.
+    /// The shell command `command`, in which `{}` stands for the candidate's file as one word, as `$MATERIAL` does.
     pub fn new(command: &str, unknown: &'a Unknown) -> Result<Self> {
         unknown.told_by_file()?;
         let directory = tempfile::Builder::new().prefix("anneal-").tempdir();
@@ -34,7 +34,10 @@ impl<'a> Exec<'a> {
             directory.map_err(|e| Error::new(format!("no temporary directory: {}; set TMPDIR to a place for one", plain(&e))))?;
         signal::begun(directory.path());
         let file = directory.path().join("material.rad");
-        Ok(Self { command: command.replace("{}", &quoted(&file.to_string_lossy())), unknown, directory })
+        let word = quoted(&file.to_string_lossy());
+        // Quotes around it would undo those of the name.
+        let command = ["'{}'", "\"{}\"", "{}"].iter().fold(command.to_string(), |command, place| command.replace(place, &word));
+        Ok(Self { command, unknown, directory })
     }
 
     fn path(&self, name: &str) -> PathBuf {
