@@ -22,11 +22,6 @@ impl Sampler {
         Self { seed: (mixed >> 32) as u32 ^ mixed as u32, index, dimension: 0 }
     }
 
-    /// Whether a number has been drawn: a sample that needed none is exact.
-    pub fn used(&self) -> bool {
-        self.dimension > 0
-    }
-
     /// The next pair of numbers in [0, 1).
     pub fn pair(&mut self) -> [f64; 2] {
         self.dimension += 1;
