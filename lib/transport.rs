@@ -10,7 +10,7 @@ mod rough;
 #[cfg(test)]
 mod tests;
 
-pub use clear::Clear;
+pub use clear::{Clear, depth};
 pub use lobes::Alpha;
 pub use rough::{MOST_NODES, Monomials, ORDER, Rough};
 

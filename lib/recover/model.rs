@@ -100,13 +100,19 @@ pub fn alphas(kind: Kind, grid: &Grid) -> Vec<Alpha> {
 /// Weights that interpolate at `x` between nodes at `grid`: Lagrange's cubic through the four nearest, or a parabola through three. Beyond
 /// the ends, the end counts.
 pub fn cubic(grid: &[f64], x: f64) -> Vec<f64> {
+    lagrange(grid, x, 4)
+}
+
+/// The same by the polynomial through the `points` nearest, an even number, or all if there are not so many.
+pub fn lagrange(grid: &[f64], x: f64, points: usize) -> Vec<f64> {
     let n = grid.len();
     let x = x.clamp(grid[0], grid[n - 1]);
-    let above = grid.partition_point(|&g| g <= x);
-    let (first, last) = if n < 4 { (0, n) } else { (above.saturating_sub(2).min(n - 4), above.saturating_sub(2).min(n - 4) + 4) };
+    let points = points.min(n);
+    let first = grid.partition_point(|&g| g <= x).saturating_sub(points / 2).min(n - points);
+    let nearest = first..first + points;
     let mut weights = vec![0.0; n];
-    for i in first..last {
-        weights[i] = (first..last).filter(|&j| j != i).map(|j| (x - grid[j]) / (grid[i] - grid[j])).product();
+    for i in nearest.clone() {
+        weights[i] = nearest.clone().filter(|&j| j != i).map(|j| (x - grid[j]) / (grid[i] - grid[j])).product();
     }
     weights
 }

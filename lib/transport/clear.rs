@@ -18,6 +18,16 @@ use wide::f32x8;
 /// Groups of [`LANES`] transmissivities.
 const L: usize = 2;
 
+/// The extinction, along the length that paths go inside, below which a body is thin, and the most that is told from more.
+const THIN: f64 = 0.02;
+const OPAQUE: f64 = 20.0;
+
+/// Where a transmissivity stands among others: ln(1 + σ/[`THIN`]) of the extinction σ. There what is let through on a way of any length, e^−σℓ, is as
+/// smooth as on any other, or smoother.
+pub fn depth(transmissivity: f64) -> f64 {
+    ((-transmissivity.ln()).clamp(0.0, OPAQUE) / THIN).ln_1p()
+}
+
 /// A transparent material with a given index, explored at several transmissivities.
 pub struct Clear {
     /// The material.
@@ -26,7 +36,7 @@ pub struct Clear {
     pub glass: bool,
     /// Index of refraction.
     pub index: f64,
-    /// What `length` of it lets through (of glass, the whole pane), rising from 0 to 1.
+    /// What `length` of it lets through (of glass, the whole pane), falling from 1 to nearly 0, evenly by [`depth`].
     pub nodes: [f64; L * LANES],
     /// About how far paths go inside: what they let through is told there, whatever the scene's unit of length. 1 for glass.
     pub length: f64,
@@ -40,9 +50,9 @@ pub struct Clear {
 impl Clear {
     /// A dielectric or glass of this index.
     pub fn new(material: MaterialId, glass: bool, index: f64, length: f64) -> Self {
-        // Dense near 0, where T^ℓ is steep for short paths.
-        let nodes = std::array::from_fn(|i| (i as f64 / (L * LANES - 1) as f64).powi(2));
-        let logarithm = |i: usize| (nodes[i].max(1e-40).ln() / length) as f32;
+        let extinction = |i: usize| THIN * (depth(0.0) * i as f64 / (L * LANES - 1) as f64).exp_m1();
+        let nodes = std::array::from_fn(|i| (-extinction(i)).exp());
+        let logarithm = |i: usize| (-extinction(i) / length) as f32;
         let logarithms = std::array::from_fn(|l| f32x8::from(std::array::from_fn(|i| logarithm(l * LANES + i))));
         let medium = Medium { transmissivity: Rgb::ONE, index };
         let cleared = if glass { Material::Glass(medium) } else { Material::Dielectric(medium) };
