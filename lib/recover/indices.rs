@@ -11,18 +11,20 @@ use super::sheet::Sheet;
 use super::{Effort, Evidence, Seeds};
 use crate::anneal::{Annealer, Options};
 use crate::error::Result;
+use crate::sampling::mix64;
 use crate::scene::MaterialId;
 use crate::transport::Basis;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
-/// Samples in each half of a pixel, search by search: more where pixels are few, so that there are at least so many times as many in all.
-const SAMPLES: [u32; 3] = [1, 2, 3];
-const ENOUGH: u32 = 2000;
-/// Width of a block, in pixels.
-const BLOCK: usize = 8;
-/// A quarter of the pixels is sampled, unless that leaves fewer than this.
-const FEW: usize = 1000;
+/// Pixels that are looked at, and samples of them all in each half, search by search. Rather few pixels that are known well than many that are not:
+/// noise makes the valley shallow.
+const PIXELS: usize = 200;
+const SAMPLES: [u32; 3] = [1200, 1600, 3200];
+/// About how many of them there are in a block.
+const TOGETHER: f64 = 4.0;
+/// By how much the logarithms of a pixel must be off for it to say little more when it is farther off: what is rough within a pixel is never near.
+const FAR_OFF: f64 = 0.2;
 /// Distance of the indices of the first search, and how much nearer those of the next stand.
 const FIRST: f64 = 0.1;
 const NEARER: f64 = 4.0;
@@ -52,9 +54,9 @@ impl Search<'_> {
     /// The values that come nearest: at indices all over the range first, then at nearer and nearer ones around the best.
     pub fn best(&self, sheet: &Sheet, seeds: &mut Seeds, tell: &dyn Fn(&str)) -> Result<Vec<f64>> {
         let (slot, (low, high)) = (slot(&self.sought.unknown), self.range);
-        let places = quarter(sheet);
         let mut best = self.sought.unknown.start();
         let (mut from, mut to, mut step) = (low, high, FIRST);
+        let places = some(sheet, PIXELS);
         let mut searches = SAMPLES.into_iter().peekable();
         let mut shifts = 0;
         while let Some(&samples) = searches.peek() {
@@ -89,13 +91,14 @@ impl Search<'_> {
     /// The colours at an index, the values being else as given, and the misfit of pixels there.
     fn at(&self, index: f64, values: &[f64], sheet: &Sheet, places: &[usize], samples: u32, seed: u64) -> Result<Point> {
         let numbers: Vec<usize> = places.iter().map(|&i| sheet.numbers[i]).collect();
-        let samples = (samples * ENOUGH).div_ceil(numbers.len() as u32).max(samples);
+        let samples = samples.div_ceil(numbers.len() as u32);
         let stage = Stage::new(self.evidence, self.sought, self.material, vec![index]);
         let basis = stage.trace_all(&numbers, samples, seed);
         let mut values = values.to_vec();
         slot(&self.sought.unknown).into_iter().for_each(|i| values[i] = index);
         let means = |width| Means::new(&stage, sheet, places, &basis, width);
-        let values = means(BLOCK).fit(values, self.effort.seed)?;
+        let block = (TOGETHER * sheet.numbers.len() as f64 / places.len() as f64).sqrt().ceil() as usize;
+        let values = means(block).fit(values, self.effort.seed)?;
         Ok(Point { chi2: means(1).misfit(&values), values })
     }
 }
@@ -130,14 +133,12 @@ fn lowest(numbers: &[f64]) -> usize {
     (0..numbers.len()).min_by(|&a, &b| mean(a).total_cmp(&mean(b))).unwrap_or(0)
 }
 
-/// The places in a sheet of a quarter of its pixels, or of all.
-fn quarter(sheet: &Sheet) -> Vec<usize> {
-    let counts = |i: &usize| {
-        let (x, y) = sheet.place(sheet.numbers[*i]);
-        x % 2 == 0 && y % 2 == 0
-    };
-    let some: Vec<usize> = (0..sheet.numbers.len()).filter(counts).collect();
-    if some.len() < FEW { (0..sheet.numbers.len()).collect() } else { some }
+/// The places in a sheet of so many of its pixels, from all over it, or of all.
+fn some(sheet: &Sheet, count: usize) -> Vec<usize> {
+    let mut places: Vec<usize> = (0..sheet.numbers.len()).collect();
+    places.sort_by_key(|i| mix64(*i as u64));
+    places.truncate(count);
+    places
 }
 
 /// Means over square blocks of pixels: of the picture, and of what a model says.
@@ -168,17 +169,26 @@ impl<'a> Means<'a> {
     }
 
     /// How far the logarithms of the means are off: the sum of squares.
+    fn squares(&self, values: &[f64]) -> f64 {
+        self.off(values).map(|(weight, square)| weight * square).sum()
+    }
+
+    /// The same where what is far off says little more than that it is: the logarithm of a Cauchy distribution.
     fn misfit(&self, values: &[f64]) -> f64 {
+        self.off(values).map(|(weight, square)| weight * (square / FAR_OFF.powi(2)).ln_1p()).sum()
+    }
+
+    /// The weight of each block, and the sum over channels of the squares by which the logarithms of its means are off.
+    fn off(&self, values: &[f64]) -> impl Iterator<Item = (f64, f64)> {
         let x = self.stage.columns(values);
-        let block = |(weight, target, sums): &(f64, [f64; 3], Vec<f64>)| {
+        self.blocks.iter().map(move |(weight, target, sums)| {
             let floor = weight * self.floor;
             let channel = |(x, (target, sums)): (&Vec<f64>, (&f64, &[f64]))| {
                 let model: f64 = x.iter().zip(sums).map(|(x, s)| x * s).sum();
                 ((target + floor) / (model.max(0.0) + floor)).ln().powi(2)
             };
-            weight * x.iter().zip(target.iter().zip(sums.chunks(sums.len() / 3))).map(channel).sum::<f64>()
-        };
-        self.blocks.iter().map(block).sum()
+            (*weight, x.iter().zip(target.iter().zip(sums.chunks(sums.len() / 3))).map(channel).sum())
+        })
     }
 
     /// The values that bring the means nearest, the index being as in `values`.
@@ -204,7 +214,7 @@ impl<'a> Means<'a> {
         };
         let mut annealer = Annealer::new(free.iter().map(|&i| unknown.parameters()[i].clone()).collect(), options)?;
         while let Some(part) = annealer.propose() {
-            let chi2 = self.misfit(&whole(part));
+            let chi2 = self.squares(&whole(part));
             annealer.tell(chi2);
         }
         Ok(whole(&annealer.best().map_or_else(Vec::new, |b| b.values)))
