@@ -53,10 +53,15 @@ pub fn telling(evidence: &Evidence, material: MaterialId, roughness: [f64; 2], p
         [change * change, mean, square - mean * mean].map(|sum| sum.to_array())
     };
     let all: Vec<[[f64; 3]; 3]> = pixels.par_iter().map(foreseen).collect();
-    let level = all.iter().flat_map(|[_, mean, _]| mean).sum::<f64>() / (3 * all.len()) as f64;
+    worth(&all)
+}
+
+/// How much pixels tell by changes with these squares in each channel, where they show this mean with this variance of a sample.
+pub fn worth(pixels: &[[[f64; 3]; 3]]) -> Vec<f64> {
+    let level = pixels.iter().flat_map(|[_, mean, _]| mean).sum::<f64>() / (3 * pixels.len()) as f64;
     let floor = (DARK * level).powi(2).max(f64::MIN_POSITIVE);
     let part = |[square, mean, variance]: [f64; 3]| square / (NOISE * variance.max(0.0) + (COMMON * mean).powi(2) + floor);
-    all.iter().map(|pixel| (0..3).map(|c| part(pixel.map(|value| value[c]))).sum()).collect()
+    pixels.iter().map(|pixel| (0..3).map(|c| part(pixel.map(|value| value[c]))).sum()).collect()
 }
 
 /// The mean light of the environment on each ring around the direction that is mirrored at a point; none where something is in the way.

@@ -37,10 +37,11 @@ pub trait Model: Sync {
     /// model goes.
     fn doubtful(&self, clarity: &[f64]) -> Vec<(usize, Vec<f64>)>;
 
-    /// How much each pixel tells of a roughness that most tell little of, if that can be foreseen.
-    fn telling(&self, _pixels: &[usize]) -> Option<Vec<f64>> {
-        None
-    }
+    /// How much each pixel tells of what is to be known, as far as that can be foreseen; a seed fixes what is left to chance.
+    fn telling(&self, pixels: &[usize], seed: u64) -> Option<Vec<f64>>;
+
+    /// How many pixels the first round looks at, and with how many samples in each half, where those are foreseen that tell most.
+    fn foreseen(&self) -> (usize, u32);
 
     /// Whether few samples hold much of the light of a pixel: what is held back is then missed.
     fn glints(&self) -> bool;
@@ -59,15 +60,13 @@ pub trait Model: Sync {
 /// The most samples of a pixel in each half of a round, whatever its share.
 const MOST: f64 = 1024.0;
 
-/// Samples in each half of the first round, and of each pixel in it at the most.
+/// Where it cannot be foreseen which pixels tell most: samples in each half of the first round, and of each pixel in it at the most.
 const FIRST: f64 = 80_000.0;
 const EACH: f64 = 64.0;
 
-/// Where it can be foreseen which pixels tell of a roughness: how many are asked, how many of those that tell most are looked at, and how many
-/// others with them, for what else is to be known.
-const ASKED: usize = 6000;
-const TELLING: usize = 400;
-const OTHERS: usize = 200;
+/// Where it can: how many pixels are asked, and how many of those that tell most come before each other one, which may tell of what else is to be known.
+const ASKED: usize = 10_000;
+const TELLING: usize = 2;
 
 /// Where time is limited: the part of the pixels of the first round that is always looked at, and that of the time left which tracing may take.
 const TRIED: f64 = 0.1;
@@ -114,15 +113,16 @@ impl Look<'_> {
     /// seen, as long as they tell of what is wanted most; among those seen, what one round finds says where the next samples are worth most.
     pub fn at(&self, model: &mut dyn Model, near: &[f64], seeds: &mut Seeds) -> Recovery {
         model.tune(near, None);
-        let (pixels, telling) = self.order(model);
+        let (pixels, foreseen) = self.order(model);
         let begin = Instant::now();
         let all = pixels.len() as f64;
-        let first = match telling {
-            _ if self.effort.quick => all,
-            0 => (FIRST / model.least()).floor().min(all),
-            telling => ((telling + OTHERS) as f64).min(all),
+        let (first, mut each) = if foreseen {
+            let (first, each) = model.foreseen();
+            (first as f64, f64::from(each))
+        } else {
+            let first = if self.effort.quick { all } else { (FIRST / model.least()).floor().min(all) };
+            (first, (FIRST / first).min(EACH).floor())
         };
-        let mut each = (FIRST / first).min(EACH).floor();
         let (mut best, mut before) = (near.to_vec(), vec![0.0; near.len()]);
         // One for all rounds: what they add to a pixel fills it evenly with what it has.
         let seed = seeds.next();
@@ -157,7 +157,7 @@ impl Look<'_> {
             let spared = if drifts { PICTURES } else { 0.0 };
             // So many times as many samples as before may still be taken.
             let most = GROWTH.1.min(budget - 1.0).min((time - spared) / (1.0 + spared));
-            let wanted = self.effort.more(self.parameters, &found, [count, all], each, telling > 0);
+            let wanted = self.effort.more(self.parameters, &found, [count, all], each, foreseen);
             let go_on = !strayed && round < ROUNDS && !self.effort.quick && most >= GROWTH.0;
             let Some(more) = wanted.filter(|_| go_on) else {
                 let found = self.moved(found, withheld.filter(|_| !strayed), model);
@@ -186,21 +186,27 @@ impl Look<'_> {
         unreachable!("a look has rounds")
     }
 
-    /// The pixels in the order in which they are looked at, and how many of them come first because they were foreseen to tell most of a roughness.
-    fn order(&self, model: &dyn Model) -> (Vec<usize>, usize) {
+    /// The pixels in the order in which they are looked at, and whether those come first that were foreseen to tell most.
+    fn order(&self, model: &dyn Model) -> (Vec<usize>, bool) {
         if self.effort.quick {
-            return (self.pixels.to_vec(), 0);
+            return (self.pixels.to_vec(), false);
         }
         let pixels = scattered(self.pixels, self.evidence.film.width);
         let asked = &pixels[..pixels.len().min(ASKED)];
-        let Some(telling) = (asked.len() > TELLING + OTHERS).then(|| model.telling(asked)).flatten() else { return (pixels, 0) };
-        let mut falling = telling.clone();
-        falling.sort_by(|a, b| b.total_cmp(a));
-        let least = falling[TELLING];
-        let (mut first, rest): (Vec<_>, Vec<_>) = pixels.iter().enumerate().partition(|(i, _)| telling.get(*i).is_some_and(|t| *t > least));
-        let count = first.len();
-        first.extend(rest);
-        (first.into_iter().map(|(_, pixel)| *pixel).collect(), count)
+        let foreseen =
+            (asked.len() > model.foreseen().0 && !self.effort.late()).then(|| model.telling(asked, mix64(self.effort.seed))).flatten();
+        let Some(telling) = foreseen else { return (pixels, false) };
+        let mut best: Vec<usize> = (0..asked.len()).collect();
+        best.sort_by(|a, b| telling[*b].total_cmp(&telling[*a]));
+        let (mut best, mut others) = (best.into_iter(), 0..pixels.len());
+        let mut taken = vec![false; pixels.len()];
+        let mut next = |i: usize| {
+            let place = if i % (TELLING + 1) < TELLING { best.find(|i| !taken[*i]) } else { None };
+            let place = place.or_else(|| others.find(|i| !taken[*i])).unwrap_or(0);
+            taken[place] = true;
+            pixels[place]
+        };
+        ((0..pixels.len()).map(&mut next).collect(), true)
     }
 
     /// Takes the errors of a round for no smaller than a part of those `before`: few more samples make none so much surer but by chance, as where

@@ -200,9 +200,13 @@ impl Model for Stage<'_> {
         doubtful.map(|(axis, slot)| (slot, self.grid[axis].clone())).collect()
     }
 
-    fn telling(&self, pixels: &[usize]) -> Option<Vec<f64>> {
+    fn telling(&self, pixels: &[usize], _: u64) -> Option<Vec<f64>> {
         let rough = !self.kind.polished && self.sharp() && self.axes().next().is_some();
         (rough && self.evidence.world.has_environment()).then(|| telling(self.evidence, self.material, self.middle, pixels))
+    }
+
+    fn foreseen(&self) -> (usize, u32) {
+        (600, 64)
     }
 
     fn glints(&self) -> bool {

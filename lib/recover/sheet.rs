@@ -80,7 +80,7 @@ impl<'a> Sheet<'a> {
     }
 
     /// For each pixel, the mean of `values` over the pixels at most `reach` away that count.
-    fn blurred(&self, values: &[[f64; 3]], reach: isize) -> Vec<[f64; 3]> {
+    pub fn blurred(&self, values: &[[f64; 3]], reach: isize) -> Vec<[f64; 3]> {
         self.mean(values, reach, true)
     }
 
