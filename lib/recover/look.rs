@@ -64,7 +64,8 @@ const MOST: f64 = 1024.0;
 const FIRST: f64 = 80_000.0;
 const EACH: f64 = 64.0;
 
-/// Where it can: how many pixels are asked, and how many of those that tell most come before each other one, which may tell of what else is to be known.
+/// Where it can: how many pixels are asked, and how many of the squares of them that tell most come before each other one, which may tell of what else
+/// is to be known. Whole squares: how far a pixel is to be trusted, its neighbours say.
 const ASKED: usize = 10_000;
 const TELLING: usize = 2;
 
@@ -186,27 +187,33 @@ impl Look<'_> {
         unreachable!("a look has rounds")
     }
 
-    /// The pixels in the order in which they are looked at, and whether those come first that were foreseen to tell most.
+    /// The pixels in the order in which they are looked at, square by square, and whether those come first that were foreseen to tell most.
     fn order(&self, model: &dyn Model) -> (Vec<usize>, bool) {
         if self.effort.quick {
             return (self.pixels.to_vec(), false);
         }
-        let pixels = scattered(self.pixels, self.evidence.film.width);
-        let asked = &pixels[..pixels.len().min(ASKED)];
+        let width = self.evidence.film.width;
+        let pixels = scattered(self.pixels, width);
+        let (asked, others) = pixels.split_at(pixels.len().min(ASKED));
         let foreseen =
             (asked.len() > model.foreseen().0 && !self.effort.late()).then(|| model.telling(asked, mix64(self.effort.seed))).flatten();
         let Some(telling) = foreseen else { return (pixels, false) };
-        let mut best: Vec<usize> = (0..asked.len()).collect();
-        best.sort_by(|a, b| telling[*b].total_cmp(&telling[*a]));
-        let (mut best, mut others) = (best.into_iter(), 0..pixels.len());
-        let mut taken = vec![false; pixels.len()];
+        let mut telling = telling.into_iter();
+        let means = |square: &[usize]| telling.by_ref().take(square.len()).sum::<f64>() / square.len() as f64;
+        let squares: Vec<&[usize]> = asked.chunk_by(|a, b| square(*a, width) == square(*b, width)).collect();
+        let means: Vec<f64> = squares.iter().copied().map(means).collect();
+        let mut falling: Vec<usize> = (0..squares.len()).collect();
+        falling.sort_by(|a, b| means[*b].total_cmp(&means[*a]));
+        let (mut best, mut each) = (falling.into_iter(), 0..squares.len());
+        let mut taken = vec![false; squares.len()];
         let mut next = |i: usize| {
-            let place = if i % (TELLING + 1) < TELLING { best.find(|i| !taken[*i]) } else { None };
-            let place = place.or_else(|| others.find(|i| !taken[*i])).unwrap_or(0);
+            let place = if i % (TELLING + 1) < TELLING { best.find(|i| !taken[*i]) } else { each.find(|i| !taken[*i]) };
+            let place = place.or_else(|| each.find(|i| !taken[*i]))?;
             taken[place] = true;
-            pixels[place]
+            Some(squares[place])
         };
-        ((0..pixels.len()).map(&mut next).collect(), true)
+        let squares = (0..squares.len()).map_while(&mut next);
+        (squares.flatten().chain(others).copied().collect(), true)
     }
 
     /// Takes the errors of a round for no smaller than a part of those `before`: few more samples make none so much surer but by chance, as where
@@ -341,10 +348,14 @@ fn shared(mean: f64, influence: &[f64], have: &[f32]) -> Vec<Range<u32>> {
 
 /// Pixels in an order in which each first part of them is spread over the picture, in squares that keep neighbours together.
 pub fn scattered(pixels: &[usize], width: usize) -> Vec<usize> {
-    let square = |&n: &usize| mix64((n / width / SQUARE * width + n % width / SQUARE) as u64);
     let mut pixels = pixels.to_vec();
-    pixels.sort_by_key(square);
+    pixels.sort_by_key(|n| mix64(square(*n, width) as u64));
     pixels
+}
+
+/// The square that a pixel is in.
+fn square(pixel: usize, width: usize) -> usize {
+    pixel / width / SQUARE * width + pixel % width / SQUARE
 }
 
 /// The side of a square, in pixels.
