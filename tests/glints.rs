@@ -31,7 +31,7 @@ fn the_unit_of_length_does_not_matter() {
         let truth = [0.8f64, 0.5, 0.3].map(|through| through.powf(0.5 / size));
         let material = format!("dielectric it 0 0 5 {} {} {} 1.5 0", truth[0], truth[1], truth[2]);
         let sky = SCENE.split("it sphere").next().unwrap().replace(",400,0)", ",4,0)");
-        let view = format!("-x 40 -y 40 --spp 64 -ab 1 -vp 0 {} {size} -o target.exr", -5.0 * size);
+        let view = format!("-x 40 -y 40 --spp 256 -ab 1 -vp 0 {} {size} -o target.exr", -5.0 * size);
         let directory = photographed(&material, &format!("{sky}it sphere s 0 0 4 0 0 0 {size}\n"), &view);
         let out = recovered(directory.path(), "-ab 1 --fix hartmann --scene scene.rad --target target.exr start.rad");
         for (name, truth) in ["red", "green", "blue"].into_iter().zip(truth) {

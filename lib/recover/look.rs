@@ -223,7 +223,10 @@ impl Look<'_> {
             // What bounds alone would say.
             let unit = (parameter.high - parameter.low) / 12f64.sqrt();
             let least = (SURER * before.min(unit)).powi(2);
-            if found.covariance.at(i, i) < least {
+            let variance = found.covariance.at(i, i);
+            if variance < least {
+                // What more samples would make of it is not known either.
+                found.own.set(i, i, least * (found.own.at(i, i) / variance).min(1.0));
                 found.covariance.set(i, i, least);
             }
         }
