@@ -5,7 +5,7 @@
 use super::fit::derivatives;
 use super::foresight::worth;
 use super::indices::Search;
-use super::look::{Look, Model};
+use super::look::{First, Look, Model};
 use super::model::{cubic, exposed, lagrange};
 use super::scores::{anywhere, pictures};
 use super::sheet::{Half, Sheet};
@@ -37,7 +37,7 @@ const POINTS: usize = 6;
 /// Samples of a pixel in the first round: with 24, errors are a third larger in as much time. Where it is foreseen which pixels tell most, so many of
 /// them are looked at, with more samples each.
 const LEAST: f64 = 64.0;
-const FORESEEN: (usize, u32) = (625, 128);
+const FIRST: First = First { pixels: 625, samples: 128, squares: true };
 /// Samples in each half of a pixel that say how much it tells.
 const PILOT: u32 = 2;
 
@@ -141,8 +141,8 @@ impl Model for Stage<'_> {
         Some(sums)
     }
 
-    fn foreseen(&self) -> (usize, u32) {
-        FORESEEN
+    fn first(&self) -> First {
+        FIRST
     }
 
     fn glints(&self) -> bool {

@@ -3,6 +3,7 @@
 //! A picture of what is nearly a mirror tells of its roughness only where what is mirrored changes within the lobe: on the paper's horse a
 //! hundredth of the pixels hold half of it, a twentieth nine tenths. Samples hardly find them, since derivatives are mostly noise at first. But the
 //! environment is known, and where the way to it is free it can be looked up all around the mirrored direction, where what is even cancels.
+//! What a pixel is worth by its changes and its noise is the same for other unknowns, however those are known.
 
 use super::Evidence;
 use super::sheet::COMMON;
@@ -56,7 +57,8 @@ pub fn telling(evidence: &Evidence, material: MaterialId, roughness: [f64; 2], p
     worth(&all)
 }
 
-/// How much pixels tell by changes with these squares in each channel, where they show this mean with this variance of a sample.
+/// How much pixels tell: the squares of their changes in terms of their noise, from those squares, their means and the variances of a sample, in each
+/// channel.
 pub fn worth(pixels: &[[[f64; 3]; 3]]) -> Vec<f64> {
     let level = pixels.iter().flat_map(|[_, mean, _]| mean).sum::<f64>() / (3 * pixels.len()) as f64;
     let floor = (DARK * level).powi(2).max(f64::MIN_POSITIVE);

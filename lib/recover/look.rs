@@ -40,8 +40,8 @@ pub trait Model: Sync {
     /// How much each pixel tells of what is to be known, as far as that can be foreseen; a seed fixes what is left to chance.
     fn telling(&self, pixels: &[usize], seed: u64) -> Option<Vec<f64>>;
 
-    /// How many pixels the first round looks at, and with how many samples in each half, where those are foreseen that tell most.
-    fn foreseen(&self) -> (usize, u32);
+    /// What the first round looks at, where those pixels are foreseen that tell most.
+    fn first(&self) -> First;
 
     /// Whether few samples hold much of the light of a pixel: what is held back is then missed.
     fn glints(&self) -> bool;
@@ -57,6 +57,16 @@ pub trait Model: Sync {
     fn holds(&self, values: &[f64]) -> bool;
 }
 
+/// What a first round looks at.
+pub struct First {
+    /// So many pixels.
+    pub pixels: usize,
+    /// So many samples of each in each half.
+    pub samples: u32,
+    /// Whether whole squares are taken, or single pixels that tell most. How far a pixel is to be trusted, its neighbours say.
+    pub squares: bool,
+}
+
 /// The most samples of a pixel in each half of a round, whatever its share.
 const MOST: f64 = 1024.0;
 
@@ -64,8 +74,7 @@ const MOST: f64 = 1024.0;
 const FIRST: f64 = 80_000.0;
 const EACH: f64 = 64.0;
 
-/// Where it can: how many pixels are asked, and how many of the squares of them that tell most come before each other one, which may tell of what else
-/// is to be known. Whole squares: how far a pixel is to be trusted, its neighbours say.
+/// Where it can: how many pixels are asked, and how many of those that tell most come before each other one, which may tell of what else is to be known.
 const ASKED: usize = 10_000;
 const TELLING: usize = 2;
 
@@ -118,8 +127,8 @@ impl Look<'_> {
         let begin = Instant::now();
         let all = pixels.len() as f64;
         let (first, mut each) = if foreseen {
-            let (first, each) = model.foreseen();
-            (first as f64, f64::from(each))
+            let First { pixels, samples, .. } = model.first();
+            (pixels as f64, f64::from(samples))
         } else {
             let first = if self.effort.quick { all } else { (FIRST / model.least()).floor().min(all) };
             (first, (FIRST / first).min(EACH).floor())
@@ -187,7 +196,7 @@ impl Look<'_> {
         unreachable!("a look has rounds")
     }
 
-    /// The pixels in the order in which they are looked at, square by square, and whether those come first that were foreseen to tell most.
+    /// The pixels in the order in which they are looked at, and whether those come first that were foreseen to tell most.
     fn order(&self, model: &dyn Model) -> (Vec<usize>, bool) {
         if self.effort.quick {
             return (self.pixels.to_vec(), false);
@@ -195,12 +204,12 @@ impl Look<'_> {
         let width = self.evidence.film.width;
         let pixels = scattered(self.pixels, width);
         let (asked, others) = pixels.split_at(pixels.len().min(ASKED));
-        let foreseen =
-            (asked.len() > model.foreseen().0 && !self.effort.late()).then(|| model.telling(asked, mix64(self.effort.seed))).flatten();
+        let First { pixels: first, squares, .. } = model.first();
+        let foreseen = (asked.len() > first && !self.effort.late()).then(|| model.telling(asked, mix64(self.effort.seed))).flatten();
         let Some(telling) = foreseen else { return (pixels, false) };
         let mut telling = telling.into_iter();
         let means = |square: &[usize]| telling.by_ref().take(square.len()).sum::<f64>() / square.len() as f64;
-        let squares: Vec<&[usize]> = asked.chunk_by(|a, b| square(*a, width) == square(*b, width)).collect();
+        let squares: Vec<&[usize]> = asked.chunk_by(|a, b| squares && square(*a, width) == square(*b, width)).collect();
         let means: Vec<f64> = squares.iter().copied().map(means).collect();
         let mut falling: Vec<usize> = (0..squares.len()).collect();
         falling.sort_by(|a, b| means[*b].total_cmp(&means[*a]));

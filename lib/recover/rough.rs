@@ -3,7 +3,7 @@
 use super::fit::{Point, Problem, Valley};
 use super::foresight::telling;
 use super::gram::Gram;
-use super::look::{Look, Model, scattered};
+use super::look::{First, Look, Model, scattered};
 use super::model::{Grid, Kind, alphas, coefficients, exposed, parts};
 use super::sheet::Sheet;
 use super::{Effort, Evidence, Recovery, Seeds};
@@ -205,8 +205,8 @@ impl Model for Stage<'_> {
         (rough && self.evidence.world.has_environment()).then(|| telling(self.evidence, self.material, self.middle, pixels))
     }
 
-    fn foreseen(&self) -> (usize, u32) {
-        (600, 64)
+    fn first(&self) -> First {
+        First { pixels: 600, samples: 64, squares: false }
     }
 
     fn glints(&self) -> bool {
