@@ -119,7 +119,7 @@ impl Model for Stage<'_> {
         vec![]
     }
 
-    // A few samples of each pixel: of the changes they say little, but the fifth of the pixels that they make most of tells twice as much as another.
+    // A few samples of each pixel say little of its changes; but the eighth of the bunny's pixels that they make most of holds a third of what all tell.
     fn telling(&self, pixels: &[usize], seed: u64) -> Option<Vec<f64>> {
         let basis = self.trace_all(pixels, PILOT, seed);
         let mut coefficients = derivatives(&|values: &[f64]| self.coefficients(values), &self.unknown.bounds(), &self.values);

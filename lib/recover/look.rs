@@ -63,7 +63,7 @@ pub struct First {
     pub pixels: usize,
     /// So many samples of each in each half.
     pub samples: u32,
-    /// Whether whole squares are taken, or single pixels that tell most. How far a pixel is to be trusted, its neighbours say.
+    /// Whether whole squares are taken, in which neighbours say how far a pixel is to be trusted, or the single pixels that tell most.
     pub squares: bool,
 }
 
