@@ -137,6 +137,11 @@ impl Recovery {
         self.covariance.deviations()
     }
 
+    /// The part of the variance of a value that the noise of the rendering makes; all of it where nothing is known.
+    fn own_part(&self, i: usize) -> f64 {
+        (self.own.at(i, i) / self.covariance.at(i, i)).min(1.0)
+    }
+
     /// How its pixels are blurred, if that was to be found.
     pub fn sharpness(&self) -> Option<Blur> {
         self.blur.filter(|blur| blur.sought)

@@ -2,13 +2,12 @@
 //!
 //! A search over all its range finds about where the index is (`indices`); looks at the pixels say the rest (`look`).
 
-use super::fit::derivatives;
-use super::foresight::worth;
+use super::foresight::at_a_glance;
 use super::indices::Search;
 use super::look::{First, Look, Model};
 use super::model::{cubic, exposed, lagrange};
-use super::scores::{anywhere, pictures};
-use super::sheet::{Half, Sheet};
+use super::scores::anywhere;
+use super::sheet::Sheet;
 use super::{Effort, Evidence, Recovery, Seeds};
 use crate::anneal::linear::Symmetric;
 use crate::color::Rgb;
@@ -38,8 +37,6 @@ const POINTS: usize = 6;
 /// them are looked at, with more samples each.
 const LEAST: f64 = 64.0;
 const FIRST: First = First { pixels: 625, samples: 128, squares: true };
-/// Samples in each half of a pixel that say how much it tells.
-const PILOT: u32 = 2;
 
 /// How far the two indices that the pixels are looked at with lie to either side.
 const SPREAD: f64 = 0.003;
@@ -54,10 +51,8 @@ pub struct Stage<'a> {
     /// Where the columns stand by what they let through.
     depths: Vec<f64>,
     length: f64,
-    /// What the transmissivities are, as far as is known: the weights of the columns of each channel.
-    guess: Option<[Vec<f64>; 3]>,
     /// What the values are, as far as is known.
-    values: Vec<f64>,
+    known: Option<Vec<f64>>,
 }
 
 impl<'a> Stage<'a> {
@@ -69,7 +64,7 @@ impl<'a> Stage<'a> {
         let clear: Vec<Clear> = indices.iter().map(|&index| Clear::new(material, glass, hartmann(index, constant), *length)).collect();
         let depths = clear[0].nodes.iter().map(|t| depth(*t)).collect();
         let parts = clear.into_iter().map(|c| transport::Unknown::Clear(Box::new(c))).collect();
-        Self { evidence, unknown, indices, parts, depths, length: *length, guess: None, values: unknown.start() }
+        Self { evidence, unknown, indices, parts, depths, length: *length, known: None }
     }
 
     /// The weights of the columns of each channel in the basis of one index.
@@ -85,8 +80,7 @@ impl<'a> Stage<'a> {
 
 impl Model for Stage<'_> {
     fn tune(&mut self, values: &[f64], _: Option<&[f64]>) {
-        self.guess = Some(self.columns(values));
-        self.values = values.to_vec();
+        self.known = Some(values.to_vec());
         let a = self.unknown.reals(values);
         let extinction = Rgb::from(std::array::from_fn(|c| -a[c].clamp(DARKEST, 1.0).ln() / self.length));
         for part in &mut self.parts {
@@ -96,7 +90,8 @@ impl Model for Stage<'_> {
     }
 
     fn trace(&self, pixels: &[usize], samples: &[Range<u32>], seed: u64) -> Basis {
-        let pixels = Pixels { numbers: pixels, samples, lens: &self.evidence.film.lens(), picture: self.guess.as_ref() };
+        let guess = self.known.as_ref().map(|values| self.columns(values));
+        let pixels = Pixels { numbers: pixels, samples, lens: &self.evidence.film.lens(), picture: guess.as_ref() };
         let at = |unknown| transport::trace(self.evidence.world, self.evidence.rules, unknown, &pixels, 2, seed);
         Basis::beside(&self.parts.iter().map(at).collect::<Vec<_>>())
     }
@@ -119,26 +114,9 @@ impl Model for Stage<'_> {
         vec![]
     }
 
-    // A few samples of each pixel say little of its changes; but the eighth of the bunny's pixels that they make most of holds a third of what all tell.
     fn telling(&self, pixels: &[usize], seed: u64) -> Option<Vec<f64>> {
-        let basis = self.trace_all(pixels, PILOT, seed);
-        let mut coefficients = derivatives(&|values: &[f64]| self.coefficients(values), &self.unknown.bounds(), &self.values);
-        coefficients.push(self.coefficients(&self.values));
-        let mut changes = pictures(&basis, &coefficients);
-        let picture = changes.pop()?;
-        let sheet = Sheet::new(self.evidence, pixels);
-        // Neither the light of a pixel nor its variance is told by that pixel alone: where few samples happen to be dark, they would seem sure.
-        let light = sheet.around(&joined(&picture, |a, b| 0.5 * (a + b)), 2);
-        let variances = sheet.blurred(&joined(&picture, |a, b| 0.5 * f64::from(PILOT) * (a - b).powi(2)), 1);
-        let mut sums = vec![0.0; pixels.len()];
-        for change in &changes {
-            let squares = joined(change, |a, b| (0.5 * (a + b)).powi(2));
-            let worth = worth(&(0..pixels.len()).map(|i| [squares[i], light[i], variances[i]]).collect::<Vec<_>>());
-            // One parameter counts as much as another.
-            let whole = worth.iter().sum::<f64>().max(f64::MIN_POSITIVE);
-            sums.iter_mut().zip(worth).for_each(|(sum, worth)| *sum += worth / whole);
-        }
-        Some(sums)
+        let near = self.known.as_ref()?;
+        Some(at_a_glance(self, near, &self.unknown.bounds(), &Sheet::new(self.evidence, pixels), seed))
     }
 
     fn first(&self) -> First {
@@ -160,11 +138,6 @@ impl Model for Stage<'_> {
     fn holds(&self, values: &[f64]) -> bool {
         slot(self.unknown).is_none_or(|i| values[i] > self.indices[0] && values[i] < self.indices[self.indices.len() - 1])
     }
-}
-
-/// A picture of what both halves say, channel by channel.
-fn joined(halves: &[Half], say: impl Fn(f64, f64) -> f64) -> Vec<[f64; 3]> {
-    halves[0].iter().zip(&halves[1]).map(|(a, b)| std::array::from_fn(|c| say(a[c], b[c]))).collect()
 }
 
 /// The weights of columns at some depths for what is let through.

@@ -83,10 +83,8 @@ impl Effort<'_> {
     pub fn more(&self, parameters: &[Parameter], found: &Recovery, [seen, all]: [f64; 2], each: f64, foreseen: bool) -> Option<More> {
         let standing = |(i, parameter): (usize, &Parameter)| {
             let (variance, near) = (found.covariance.at(i, i), self.near(i, parameter, found.values[i]));
-            // Where nothing is known, neither of the two is finite.
-            let own = (found.own.at(i, i) / variance).min(1.0);
             let foreseen = foreseen && ROUGHNESSES.contains(&parameter.name.as_str());
-            Standing { variance: variance / near.powi(2), own, clarity: found.clarity[i], foreseen }
+            Standing { variance: variance / near.powi(2), own: found.own_part(i), clarity: found.clarity[i], foreseen }
         };
         let allowed = |s: &Standing| match self.tolerance {
             None => s.left() / LEFT,

@@ -126,12 +126,12 @@ impl Look<'_> {
         let (pixels, foreseen) = self.order(model);
         let begin = Instant::now();
         let all = pixels.len() as f64;
-        let (first, mut each) = if foreseen {
-            let First { pixels, samples, .. } = model.first();
-            (pixels as f64, f64::from(samples))
-        } else {
-            let first = if self.effort.quick { all } else { (FIRST / model.least()).floor().min(all) };
-            (first, (FIRST / first).min(EACH).floor())
+        let (first, mut each) = match &foreseen {
+            Some(first) => (first.pixels as f64, f64::from(first.samples)),
+            None => {
+                let first = if self.effort.quick { all } else { (FIRST / model.least()).floor().min(all) };
+                (first, (FIRST / first).min(EACH).floor())
+            }
         };
         let (mut best, mut before) = (near.to_vec(), vec![0.0; near.len()]);
         // One for all rounds: what they add to a pixel fills it evenly with what it has.
@@ -167,7 +167,7 @@ impl Look<'_> {
             let spared = if drifts { PICTURES } else { 0.0 };
             // So many times as many samples as before may still be taken.
             let most = GROWTH.1.min(budget - 1.0).min((time - spared) / (1.0 + spared));
-            let wanted = self.effort.more(self.parameters, &found, [count, all], each, foreseen);
+            let wanted = self.effort.more(self.parameters, &found, [count, all], each, foreseen.is_some());
             let go_on = !strayed && round < ROUNDS && !self.effort.quick && most >= GROWTH.0;
             let Some(more) = wanted.filter(|_| go_on) else {
                 let found = self.moved(found, withheld.filter(|_| !strayed), model);
@@ -196,33 +196,31 @@ impl Look<'_> {
         unreachable!("a look has rounds")
     }
 
-    /// The pixels in the order in which they are looked at, and whether those come first that were foreseen to tell most.
-    fn order(&self, model: &dyn Model) -> (Vec<usize>, bool) {
+    /// The pixels in the order in which they are looked at, and what of them comes first if those that tell most were foreseen.
+    fn order(&self, model: &dyn Model) -> (Vec<usize>, Option<First>) {
         if self.effort.quick {
-            return (self.pixels.to_vec(), false);
+            return (self.pixels.to_vec(), None);
         }
         let width = self.evidence.film.width;
         let pixels = scattered(self.pixels, width);
         let (asked, others) = pixels.split_at(pixels.len().min(ASKED));
-        let First { pixels: first, squares, .. } = model.first();
-        let foreseen = (asked.len() > first && !self.effort.late()).then(|| model.telling(asked, mix64(self.effort.seed))).flatten();
-        let Some(telling) = foreseen else { return (pixels, false) };
+        let first = model.first();
+        let foreseen = (asked.len() > first.pixels && !self.effort.late()).then(|| model.telling(asked, mix64(self.effort.seed)));
+        let Some(telling) = foreseen.flatten() else { return (pixels, None) };
+        let places: Vec<&[usize]> = asked.chunk_by(|a, b| first.squares && square(*a, width) == square(*b, width)).collect();
         let mut telling = telling.into_iter();
-        let means = |square: &[usize]| telling.by_ref().take(square.len()).sum::<f64>() / square.len() as f64;
-        let squares: Vec<&[usize]> = asked.chunk_by(|a, b| squares && square(*a, width) == square(*b, width)).collect();
-        let means: Vec<f64> = squares.iter().copied().map(means).collect();
-        let mut falling: Vec<usize> = (0..squares.len()).collect();
+        let means: Vec<f64> = places.iter().map(|place| telling.by_ref().take(place.len()).sum::<f64>() / place.len() as f64).collect();
+        let mut falling: Vec<usize> = (0..places.len()).collect();
         falling.sort_by(|a, b| means[*b].total_cmp(&means[*a]));
-        let (mut best, mut each) = (falling.into_iter(), 0..squares.len());
-        let mut taken = vec![false; squares.len()];
-        let mut next = |i: usize| {
-            let place = if i % (TELLING + 1) < TELLING { best.find(|i| !taken[*i]) } else { each.find(|i| !taken[*i]) };
-            let place = place.or_else(|| each.find(|i| !taken[*i]))?;
-            taken[place] = true;
-            Some(squares[place])
+        let (mut best, mut each) = (falling.into_iter(), 0..places.len());
+        let mut taken = vec![false; places.len()];
+        let next = |turn: usize| {
+            let untaken = |i: &usize| !taken[*i];
+            let i = if turn % (TELLING + 1) < TELLING { best.find(untaken) } else { each.find(untaken) }?;
+            taken[i] = true;
+            Some(places[i])
         };
-        let squares = (0..squares.len()).map_while(&mut next);
-        (squares.flatten().chain(others).copied().collect(), true)
+        ((0..places.len()).filter_map(next).flatten().chain(others).copied().collect(), Some(first))
     }
 
     /// Takes the errors of a round for no smaller than a part of those `before`: few more samples make none so much surer but by chance, as where
@@ -232,10 +230,9 @@ impl Look<'_> {
             // What bounds alone would say.
             let unit = (parameter.high - parameter.low) / 12f64.sqrt();
             let least = (SURER * before.min(unit)).powi(2);
-            let variance = found.covariance.at(i, i);
-            if variance < least {
+            if found.covariance.at(i, i) < least {
                 // What more samples would make of it is not known either.
-                found.own.set(i, i, least * (found.own.at(i, i) / variance).min(1.0));
+                found.own.set(i, i, least * found.own_part(i));
                 found.covariance.set(i, i, least);
             }
         }

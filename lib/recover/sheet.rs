@@ -176,11 +176,15 @@ impl<'a> Sheet<'a> {
         [0, 1].map(|half| (0..count).map(|i| blend(half, i)).collect())
     }
 
+    /// What both halves together show around each pixel.
+    pub fn light(&self, halves: &[Half]) -> Vec<[f64; 3]> {
+        self.around(&joined(halves, |a, b| 0.5 * (a + b)), 2)
+    }
+
     /// Weights for each half that go by its own variance of a sample, so that they are independent of the other half, whose residuals
     /// they weigh: a weight that went by the noise of what it weighs would favour what is too dark by chance.
     pub fn by_variance(&self, halves: &[Half], variances: &[Vec<[f64; 3]>; 2], samples: &[f32]) -> Weights {
-        let mean: Vec<[f64; 3]> = halves[0].iter().zip(&halves[1]).map(|(a, b)| std::array::from_fn(|c| 0.5 * (a[c] + b[c]))).collect();
-        let mean = self.around(&mean, 2);
+        let mean = self.light(halves);
         let floor = (0.01 * self.level).powi(2);
         let photographed = self.samples(halves, variances);
         let weights = |i: usize| -> ([[f32; 3]; 2], f32) {
@@ -262,3 +266,8 @@ const OWN: f64 = 1.0;
 const GLINT: f64 = 1e4;
 /// The part of its value by which a pixel may be off besides its noise, and many at once: by the light, the shape, the formula of a lobe.
 pub const COMMON: f64 = 0.015;
+
+/// A picture of what both halves say, channel by channel.
+pub fn joined(halves: &[Half], say: impl Fn(f64, f64) -> f64) -> Vec<[f64; 3]> {
+    halves[0].iter().zip(&halves[1]).map(|(a, b)| std::array::from_fn(|c| say(a[c], b[c]))).collect()
+}
