@@ -1,7 +1,10 @@
 //! imgdiff as a program: what it prints, how it ends, and its agreement with RADIANCE's own tools where they are installed.
 
+mod skipped;
+
 use inverad::picture::exr::{Plane, Planes};
 use inverad::picture::{Header, Picture};
+use skipped::skipped;
 use std::fs;
 use std::io::Write;
 use std::path::Path;
@@ -226,7 +229,7 @@ fn waves(level: f32) -> Picture {
 fn radiance(directory: &TempDir, program: &str, line: &str, output: &str) -> Option<()> {
     let spawned = Command::new(program).args(line.split_whitespace()).current_dir(directory).stderr(Stdio::null()).output();
     let Ok(out) = spawned else {
-        eprintln!("skipped: {program} is not on PATH");
+        skipped(&format!("{program} is not on PATH"));
         return None;
     };
     assert!(out.status.success(), "{program} {line}");

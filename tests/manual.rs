@@ -5,6 +5,9 @@
 
 #![cfg(unix)]
 
+mod skipped;
+
+use skipped::skipped;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -42,7 +45,7 @@ struct Bench {
 impl Bench {
     fn new() -> Option<Self> {
         let Some(radiance) = radiance() else {
-            eprintln!("skipped: RADIANCE's programs are not installed");
+            skipped("RADIANCE's programs are not on PATH");
             return None;
         };
         let directory = tempfile::tempdir().unwrap();

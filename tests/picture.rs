@@ -1,8 +1,11 @@
 //! RADIANCE's picture format: identities over all bytes, bytes that RADIANCE wrote, and RADIANCE itself where it is installed.
 
+mod skipped;
+
 use inverad::picture::hdr::{Rgbe, decode, encode};
 use inverad::picture::{Format, Header, Picture};
 use proptest::prelude::*;
+use skipped::skipped;
 use std::io::Write;
 use std::process::{Command, Stdio};
 
@@ -241,7 +244,7 @@ proptest! {
 fn radiance(program: &str, arguments: &[&str], input: &[u8]) -> Option<Vec<u8>> {
     let spawned = Command::new(program).args(arguments).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::null()).spawn();
     let Ok(mut child) = spawned else {
-        eprintln!("skipped: {program} is not on PATH");
+        skipped(&format!("{program} is not on PATH"));
         return None;
     };
     let mut stdin = child.stdin.take().unwrap();

@@ -1,8 +1,11 @@
 //! Views: the rays that RADIANCE's vwrays gives, recorded and live; sizes; view files and headers.
 
+mod skipped;
+
 use inverad::error::{Error, Result};
 use inverad::view::{Camera, View, ViewKind};
 use proptest::prelude::*;
+use skipped::skipped;
 use std::process::Command;
 
 /// What all recorded views share: oblique, shifted, with pixels of any shape.
@@ -145,7 +148,7 @@ fn rays_are_those_of_the_vwrays_that_is_installed() {
         }
         let arguments = format!("-fd {line} -pa 0 -x 13 -y 7");
         let Ok(output) = Command::new("vwrays").args(arguments.split(' ')).output() else {
-            eprintln!("skipped: vwrays is not on PATH");
+            skipped("vwrays is not on PATH");
             return;
         };
         let camera = view(&line).ready().unwrap();

@@ -1,8 +1,13 @@
+#[path = "../../tests/skipped/mod.rs"]
+mod skipped;
+
 use super::*;
 use crate::cal::{FileId, Library};
 use crate::error::Source;
 use crate::rad::Document;
 use crate::resolve::{Files, Resolve};
+use crate::transform::Transform;
+use skipped::skipped;
 
 fn primitive(text: &str) -> Primitive {
     Document::parse(Source::new("p.rad", text)).unwrap().primitives().next().unwrap().clone()
@@ -394,7 +399,7 @@ const WORDS: &[&str] = &[
 fn the_corpus_compiles() {
     let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/corpus");
     let Ok(repositories) = std::fs::read_dir(&root) else {
-        eprintln!("skipped: {} is not there", root.display());
+        skipped(&format!("{} is not there", root.display()));
         return;
     };
     let (mut compiled, mut texts, mut missing, mut wrong) = (0, 0, Vec::new(), Vec::new());

@@ -1,5 +1,9 @@
 //! Where the real scene files are that tests read, if they are there.
 
+#[path = "../skipped/mod.rs"]
+mod skipped;
+
+use skipped::skipped;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -9,11 +13,11 @@ pub fn corpus(programs: &[&str]) -> Option<(PathBuf, Vec<PathBuf>)> {
     let shared = std::env::var_os("INVERAD_SHARED").map_or(Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared"), PathBuf::from);
     let corpus = shared.join("corpus");
     if !corpus.is_dir() {
-        eprintln!("SKIPPED: no corpus of scene files (INVERAD_SHARED, ../shared)");
+        skipped("no corpus of scene files (INVERAD_SHARED, ../shared)");
         return None;
     }
     if let Some(missing) = programs.iter().find(|program| Command::new(program).stdin(Stdio::null()).output().is_err()) {
-        eprintln!("SKIPPED: {missing} is not on PATH");
+        skipped(&format!("{missing} is not on PATH"));
         return None;
     }
     let mut files = Vec::new();
