@@ -200,6 +200,14 @@ impl Annealer {
         Ok(new)
     }
 
+    /// Drives the search to its end with a function that says the chi-squared of a vector under a stage's objective.
+    pub fn drive(&mut self, mut chi2: impl FnMut(&[f64], usize) -> f64) {
+        while let Some(values) = self.propose() {
+            let value = chi2(values, self.stage());
+            self.tell(value);
+        }
+    }
+
     /// The vector to evaluate next, the same until its chi-squared is told; `None` when the search is over. Its coordinates are
     /// decimal numbers of about seven digits, so that what is printed is what was evaluated.
     pub fn propose(&self) -> Option<&[f64]> {

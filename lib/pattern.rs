@@ -21,7 +21,6 @@ use crate::cal::{Context, Failed, Program, Ray};
 use crate::color::Rgb;
 use crate::error::Result;
 use crate::rad::Primitive;
-use crate::transform::Transform;
 use crate::vector::Vec3;
 use frame::Frame;
 use std::sync::Arc;
@@ -115,11 +114,6 @@ impl Pattern {
             Kind::Picture(raster, mapping, _) => Some((raster, mapping)),
             _ => None,
         }
-    }
-
-    /// From the pattern's coordinates to those of its modifier's scene.
-    pub fn transform(&self) -> &Transform {
-        self.frame.transform()
     }
 }
 

@@ -83,8 +83,6 @@ pub enum Form {
 pub struct Distant {
     /// Its identifier.
     pub name: String,
-    /// The name of its modifier.
-    pub modifier: String,
     /// Unit vector to it.
     pub direction: Vec3,
     /// 1 − cos of half its angle.

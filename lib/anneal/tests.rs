@@ -18,12 +18,9 @@ fn options(seed: u64, steps: usize) -> Options {
 }
 
 /// Drives a search to its end.
-fn search(parameters: Vec<Parameter>, options: Options, mut chi2: impl FnMut(&[f64], usize) -> f64) -> Annealer {
+fn search(parameters: Vec<Parameter>, options: Options, chi2: impl FnMut(&[f64], usize) -> f64) -> Annealer {
     let mut annealer = Annealer::new(parameters, options).unwrap();
-    while let Some(values) = annealer.propose() {
-        let value = chi2(values, annealer.stage());
-        annealer.tell(value);
-    }
+    annealer.drive(chi2);
     annealer
 }
 

@@ -82,7 +82,7 @@ pub(super) fn compile(primitive: &Primitive, sources: &mut Sources, types: &[&st
     }
     let mut words = Words { primitive, sources };
     let (kind, used) = words.kind()?;
-    Ok(Some((Frame::new(words.transform(used)?), kind)))
+    Ok(Some((Frame::new(&words.transform(used)?), kind)))
 }
 
 /// The frame of a BRTDfunc, its coefficients of the mirror direction and of the straight one, its functions for light sources. What is
@@ -104,7 +104,7 @@ pub(super) fn functions(primitive: &Primitive, sources: &mut Sources) -> Result<
         let (name, span) = (words.string(6 + i)?, words.span(6 + i));
         *program = Some(words.sources.library.functions(file, &[((name, span.as_ref()), &[0, 1, 2, 3])], 4, &primitive.reals)?);
     }
-    Ok((Frame::new(words.transform(10)?), straight, by_channel))
+    Ok((Frame::new(&words.transform(10)?), straight, by_channel))
 }
 
 struct Words<'a, 'r> {

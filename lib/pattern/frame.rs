@@ -42,7 +42,6 @@ impl At<'_> {
 /// The frame of a pattern.
 #[derive(Debug)]
 pub(super) struct Frame {
-    transform: Transform,
     place: Place,
     still: bool,
 }
@@ -71,9 +70,9 @@ impl Place {
 }
 
 impl Frame {
-    pub fn new(transform: Transform) -> Self {
-        let still = transform == Transform::IDENTITY;
-        Self { place: Place::of(&transform), transform, still }
+    pub fn new(transform: &Transform) -> Self {
+        let still = *transform == Transform::IDENTITY;
+        Self { place: Place::of(transform), still }
     }
 
     fn place(&self, at: &At) -> Place {
@@ -125,9 +124,5 @@ impl Frame {
     /// The world's vector for a vector of the frame that measures something on unit vectors: it is turned, not scaled.
     pub fn to_world(&self, at: &At, vector: Vec3) -> Vec3 {
         self.place(at).turn.transpose() * vector
-    }
-
-    pub fn transform(&self) -> &Transform {
-        &self.transform
     }
 }

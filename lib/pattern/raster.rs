@@ -7,7 +7,6 @@ use crate::picture::{Format, Picture, hdr};
 /// A picture to be looked up. Its exposure is ignored, as RADIANCE ignores it.
 #[derive(Debug)]
 pub struct Raster {
-    width: usize,
     height: usize,
     range: [f64; 2],
     /// Samples per unit of u and v.
@@ -57,21 +56,7 @@ impl Raster {
             Some(samples) => Samples::Stored(samples),
             None => Samples::Plain(pixels().map(|[r, g, b]| [r, g, b, 0.0]).collect()),
         };
-        Ok(Self { width, height, range, density: [(x - 1.0) / range[0], (y - 1.0) / range[1]], samples, stride })
-    }
-
-    /// How many pixels it has across and up.
-    pub fn size(&self) -> [usize; 2] {
-        [self.width, self.height]
-    }
-
-    /// Red, green and blue of a pixel, counted from the left and from the bottom.
-    pub fn pixel(&self, x: usize, y: usize) -> [f32; 3] {
-        let place = y * self.stride + x;
-        match &self.samples {
-            Samples::Stored(samples) => hdr::decode(samples[place]),
-            Samples::Plain(samples) => [samples[place][0], samples[place][1], samples[place][2]],
-        }
+        Ok(Self { height, range, density: [(x - 1.0) / range[0], (y - 1.0) / range[1]], samples, stride })
     }
 
     /// The greatest u and v. The outermost pixels lie at 0 and there.

@@ -203,20 +203,9 @@ impl<'a> Means<'a> {
             free.iter().zip(part).for_each(|(&i, &v)| values[i] = v);
             values
         };
-        let options = Options {
-            seed,
-            steps: STEPS,
-            groups: (0..free.len()).map(|i| vec![i]).collect(),
-            stages: vec![1.0],
-            polish: true,
-            tolerance: None,
-            residuals: None,
-        };
+        let options = Options { seed, steps: STEPS, groups: (0..free.len()).map(|i| vec![i]).collect(), ..Options::default() };
         let mut annealer = Annealer::new(free.iter().map(|&i| unknown.parameters()[i].clone()).collect(), options)?;
-        while let Some(part) = annealer.propose() {
-            let chi2 = self.squares(&whole(part));
-            annealer.tell(chi2);
-        }
+        annealer.drive(|part, _| self.squares(&whole(part)));
         Ok(whole(&annealer.best().map_or_else(Vec::new, |b| b.values)))
     }
 }

@@ -338,20 +338,9 @@ pub fn recover(sought: &Sought, effort: Effort, enough: &dyn Fn(&Recovery) -> bo
 /// The deepest valley: annealing inside the bounds, and descents from every roughness in case it was not found.
 fn search(problem: &Problem, stage: &Stage, seed: u64) -> Result<Vec<f64>> {
     let parameters = stage.unknown.parameters();
-    let options = Options {
-        seed,
-        steps: STEPS,
-        groups: stage.unknown.groups().to_vec(),
-        stages: vec![1.0],
-        polish: false,
-        tolerance: None,
-        residuals: None,
-    };
+    let options = Options { seed, steps: STEPS, groups: stage.unknown.groups().to_vec(), polish: false, ..Options::default() };
     let mut annealer = Annealer::new(parameters.to_vec(), options)?;
-    while let Some(values) = annealer.propose() {
-        let chi2 = problem.chi2(values);
-        annealer.tell(chi2);
-    }
+    annealer.drive(|values, _| problem.chi2(values));
     let all = vec![true; parameters.len()];
     let mut starts: Vec<Vec<f64>> = annealer.best().map(|b| b.values).into_iter().collect();
     let axes: Vec<(usize, usize)> = stage.axes().collect();

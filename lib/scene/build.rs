@@ -204,7 +204,6 @@ impl<'a> Builder<'a> {
         }
         self.scene.sources.push(Distant {
             name: primitive.name.clone(),
-            modifier: primitive.modifier.clone(),
             direction: direction.normalize(),
             spread: one_minus_cos(angle.to_radians() / 2.0),
             chain,

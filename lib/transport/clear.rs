@@ -36,10 +36,8 @@ pub struct Clear {
     pub glass: bool,
     /// Index of refraction.
     pub index: f64,
-    /// What `length` of it lets through (of glass, the whole pane), falling from 1 to nearly 0, evenly by [`depth`].
+    /// What the length that [`Clear::new`] is told lets through (of glass, the whole pane), falling from 1 to nearly 0, evenly by [`depth`].
     pub nodes: [f64; L * LANES],
-    /// About how far paths go inside: what they let through is told there, whatever the scene's unit of length. 1 for glass.
-    pub length: f64,
     /// What roulette takes the extinction for; until something is known, nothing is absorbed.
     pub guess: Rgb,
     /// The same material that absorbs nothing.
@@ -48,7 +46,8 @@ pub struct Clear {
 }
 
 impl Clear {
-    /// A dielectric or glass of this index.
+    /// A dielectric or glass of this index. `length` is about how far paths go inside: what they let through is told there, whatever the scene's unit
+    /// of length. 1 for glass.
     pub fn new(material: MaterialId, glass: bool, index: f64, length: f64) -> Self {
         let extinction = |i: usize| THIN * (depth(0.0) * i as f64 / (L * LANES - 1) as f64).exp_m1();
         let nodes = std::array::from_fn(|i| (-extinction(i)).exp());
@@ -56,7 +55,7 @@ impl Clear {
         let logarithms = std::array::from_fn(|l| f32x8::from(std::array::from_fn(|i| logarithm(l * LANES + i))));
         let medium = Medium { transmissivity: Rgb::ONE, index };
         let cleared = if glass { Material::Glass(medium) } else { Material::Dielectric(medium) };
-        Self { material, glass, index, nodes, length, guess: Rgb::ZERO, cleared, logarithms }
+        Self { material, glass, index, nodes, guess: Rgb::ZERO, cleared, logarithms }
     }
 
     /// The columns of a channel.

@@ -244,7 +244,7 @@ impl World {
     /// Adds a distant source if it shines.
     fn distant(&mut self, source: Distant) -> Result<()> {
         let End::Material(m) = self.chains[source.chain].end else { return Ok(()) };
-        let Distant { name, direction, spread, chain, .. } = source;
+        let Distant { name, direction, spread, chain } = source;
         let form = || Ok((light::Form::Distant(direction, spread), LightShape::distant(direction, 2.0 * PI * spread)));
         let lamp = self.lamp(chain, form)?;
         let Some(named) = self.materials.get(m) else { return Ok(()) };
