@@ -25,7 +25,7 @@ pub struct Known<'a> {
 
 /// What there is to think of some values.
 pub struct Judgement {
-    /// The standard error of each; of what is not determined, with the errors that pixels have in common.
+    /// The standard error of each; of what is not determined, and of all where the picture is not explained, with the errors that pixels have in common.
     pub errors: Vec<f64>,
     /// The correlation of those errors.
     pub correlations: Symmetric,
@@ -113,11 +113,16 @@ pub fn judge(unknown: &Unknown, values: &[f64], known: &Known) -> Judgement {
             doubts.push(format!("{}; {help}", together(parameters, values, &covariance, pivot, &partners)));
         }
     }
-    let plain = |i: usize| standings[i] == Standing::Determined;
-    if known.misfit > COMMON {
+    let determined = |i: usize| standings[i] == Standing::Determined;
+    let explained = known.misfit <= COMMON;
+    if !explained {
         let far = |i: usize| format!("{} {}", parameters[i].name, by(moved(i, i).sqrt() * units[i]));
-        let far: Vec<String> = (0..n).filter(|&i| plain(i)).map(far).collect();
-        let harm = if far.is_empty() { String::new() } else { format!("; so large an error could move {}", list(&far)) };
+        let far: Vec<String> = (0..n).filter(|&i| determined(i)).map(far).collect();
+        let harm = if far.is_empty() {
+            String::new()
+        } else {
+            format!("; so large an error could move {}, as the standard errors say", list(&far))
+        };
         let open: Vec<&str> = (0..n).filter(|&i| standings[i] == Standing::Open).map(|i| parameters[i].name.as_str()).collect();
         let lost = if astray && !open.is_empty() { format!("; {} cannot be told by it", list(&open)) } else { String::new() };
         let exposed = parameters.iter().any(|p| EXPOSURES.contains(&p.name.as_str()));
@@ -143,6 +148,7 @@ pub fn judge(unknown: &Unknown, values: &[f64], known: &Known) -> Judgement {
         doubts
             .insert(0, format!("the picture is {how} blurred than its pixels are taken to be, and things seem {passes} by that: {cause}"));
     }
+    let plain = |i: usize| explained && determined(i);
     let errors = (0..n).map(|i| if plain(i) { seen.at(i, i).max(0.0).sqrt() } else { whole.at(i, i).sqrt() * units[i] }).collect();
     let alike = seen.correlations();
     let correlations = Symmetric::of(n, |i, j| if plain(i) && plain(j) { alike.at(i, j) } else { correlations.at(i, j) });
@@ -286,7 +292,13 @@ mod tests {
         let found = plastic([0.001; 5], [0.01; 5], (0, 1, 0.0), 0.03);
         let [doubt] = &found.doubts[..] else { panic!("{:?}", found.doubts) };
         assert!(doubt.starts_with("whole areas of the picture are 3 % brighter or darker than any noise explains: "), "{doubt}");
-        assert!(doubt.ends_with("could move red by 0.02, green by 0.02, blue by 0.02, spec by 0.02 and rough by 0.008"), "{doubt}");
+        assert!(
+            doubt.ends_with(
+                "could move red by 0.02, green by 0.02, blue by 0.02, spec by 0.02 and rough by 0.008, as the standard errors say"
+            ),
+            "{doubt}"
+        );
+        assert!((found.errors[4] - 0.4 * 0.001f64.hypot(0.02)).abs() < 1e-9, "{:?}", found.errors);
     }
 
     #[test]
