@@ -5,8 +5,7 @@
 //! with it, five standard errors off. So all other values are found for each that these may have, and count by how sure it is that the pixels are
 //! farther off there (a profile, integrated numerically: Venzon and Moolgavkar 1988; Hoeting et al. 1999, "Bayesian model averaging").
 
-use super::Recovery;
-use super::look::{Look, Model};
+use super::look::{Look, Looked, Model};
 use super::scores::{Place, Scores, pictures};
 use super::sheet::Sheet;
 use crate::anneal::linear::Symmetric;
@@ -82,11 +81,13 @@ fn width(axis: &[f64], at: usize) -> f64 {
 
 impl Look<'_> {
     /// What was found; averaged, if some of its values are in doubt.
-    pub fn averaged(&self, mut found: Recovery, sheet: &Sheet, model: &dyn Model, basis: &Basis) -> Recovery {
+    pub fn averaged(&self, looked: Looked, sheet: &Sheet, model: &dyn Model, basis: &Basis) -> Looked {
+        let Looked { mut found, aside } = looked;
         let range = Range { axes: model.doubtful(&found.clarity) };
         if range.axes.is_empty() {
-            return found;
+            return Looked { found, aside };
         }
+        found.values.iter_mut().zip(&aside.0).for_each(|(value, way)| *value -= way);
         let doubtful = |parameter: usize| range.axes.iter().any(|(slot, _)| *slot == parameter);
         let halves = pictures(basis, &[model.coefficients(&found.values)]).swap_remove(0);
         let weights = sheet.by_variance(&halves, &sheet.variances(&halves, basis), &basis.samples);
@@ -134,9 +135,10 @@ impl Look<'_> {
         // What is left open between them, the noise of the rendering makes as large a part of as of the residuals.
         let own = candidates[best].own_part();
         found.own = Symmetric::of(values.len(), |p, q| own * (within(p, q) + between(p, q)));
-        found.covariance = Symmetric::of(values.len(), |p, q| within(p, q) + between(p, q));
-        found.values = values.iter().zip(self.bounds).map(|(value, (low, high))| value.clamp(*low, *high)).collect();
-        found
+        found.covariance = Symmetric::of(values.len(), |p, q| within(p, q) + between(p, q) + aside.1.at(p, q));
+        let moved = values.iter().zip(&aside.0).map(|(value, way)| value + way);
+        found.values = moved.zip(self.bounds).map(|(value, (low, high))| value.clamp(*low, *high)).collect();
+        Looked { found, aside }
     }
 }
 

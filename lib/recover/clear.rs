@@ -286,7 +286,7 @@ fn looked(
         let mut stage = Stage::new(evidence, sought, material, indices);
         let another = || look < MOST_LOOKS && effort.affords_another(begin, look);
         let closer = Look { evidence, pixels, parameters, bounds: &bounds, effort: &effort, another: &another };
-        let found = closer.at(&mut stage, &best, &mut seeds);
+        let found = closer.at(&mut stage, &best, &mut seeds).found;
         let Some(i) = slot.filter(|_| !stage.holds(&found.values) && found.amiss().is_none()) else { return Ok(found) };
         let (mut here, next) = match lowest.take_if(|lowest| found.excess(lowest) > SURE) {
             Some(lower) => {

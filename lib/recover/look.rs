@@ -102,6 +102,14 @@ pub struct Fit {
     pub withheld: Option<Way>,
 }
 
+/// What a look comes to.
+pub struct Looked {
+    /// What was found.
+    pub found: Recovery,
+    /// How far that was moved from where pixels have it that are not held back.
+    pub aside: Way,
+}
+
 /// What is looked at, and with what in mind.
 pub struct Look<'a> {
     /// The picture.
@@ -121,7 +129,7 @@ pub struct Look<'a> {
 impl Look<'_> {
     /// Traces and fits, round by round, until what was found is enough, or lies where the model is not to be trusted. More and more pixels are
     /// seen, as long as they tell of what is wanted most; among those seen, what one round finds says where the next samples are worth most.
-    pub fn at(&self, model: &mut dyn Model, near: &[f64], seeds: &mut Seeds) -> Recovery {
+    pub fn at(&self, model: &mut dyn Model, near: &[f64], seeds: &mut Seeds) -> Looked {
         model.tune(near, None);
         let (pixels, foreseen) = self.order(model);
         let begin = Instant::now();
@@ -155,7 +163,7 @@ impl Look<'_> {
             if self.evidence.blurred {
                 let blurred = self.blurred(found.clone(), &sheet, model, &basis);
                 if blurred.amiss().is_some() {
-                    return blurred;
+                    return Looked { aside: aside(&found, &blurred), found: blurred };
                 }
             }
             let strayed = !model.holds(&found.values);
@@ -170,12 +178,13 @@ impl Look<'_> {
             let wanted = self.effort.more(self.parameters, &found, [count, all], each, foreseen.is_some());
             let go_on = !strayed && round < ROUNDS && !self.effort.quick && most >= GROWTH.0;
             let Some(more) = wanted.filter(|_| go_on) else {
-                let found = self.moved(found, withheld.filter(|_| !strayed), model);
+                let moved = self.moved(found.clone(), withheld.filter(|_| !strayed), model);
                 let share = time.min(PICTURES);
-                let drift = (drifts && share > LATE).then(|| self.drift(&sheet, model, &basis, &found.values, share, seeds));
-                let found = self.blurred(self.moved(found, drift, model), &sheet, model, &basis);
+                let drift = (drifts && share > LATE).then(|| self.drift(&sheet, model, &basis, &moved.values, share, seeds));
+                let moved = self.blurred(self.moved(moved, drift, model), &sheet, model, &basis);
+                let looked = Looked { aside: aside(&found, &moved), found: moved };
                 let passes = self.effort.quick || strayed && (self.another)();
-                return if passes { found } else { self.averaged(found, &sheet, model, &basis) };
+                return if passes { looked } else { self.averaged(looked, &sheet, model, &basis) };
             };
             best.clone_from(&found.values);
             model.tune(&best, Some(&found.errors()));
@@ -320,6 +329,15 @@ impl Look<'_> {
         let taken = now.length(&borne);
         Some((borne, taken))
     }
+}
+
+/// How far what was found was moved since.
+fn aside(found: &Recovery, moved: &Recovery) -> Way {
+    // What was not known before is not known better now.
+    let more = |i, j| Some(moved.covariance.at(i, j) - found.covariance.at(i, j)).filter(|more| more.is_finite()).unwrap_or(0.0);
+    let way: Vec<f64> = moved.values.iter().zip(&found.values).map(|(there, here)| there - here).collect();
+    let covariance = Symmetric::of(way.len(), more);
+    (way, covariance)
 }
 
 /// The least part of its standard error that a round may leave of the one before.

@@ -270,7 +270,7 @@ pub fn polished(sought: &Sought, effort: Effort, near: &[f64]) -> Recovery {
     let mut stage = Stage::new(evidence, unknown, material, Kind { polished: true, ..kind }, grid, vec![]);
     let bounds = unknown.bounds();
     let look = Look { evidence, pixels, parameters: unknown.parameters(), bounds: &bounds, effort: &effort, another: &|| false };
-    look.at(&mut stage, near, &mut Seeds::new(effort.seed))
+    look.at(&mut stage, near, &mut Seeds::new(effort.seed)).found
 }
 
 /// Recovers the numbers; no further than to a look that finds what is `enough`.
@@ -312,25 +312,26 @@ pub fn recover(sought: &Sought, effort: Effort, enough: &dyn Fn(&Recovery) -> bo
         let late = || !effort.affords_another(begin, look);
         let another = || look < MOST_LOOKS && !late();
         let closer = Look { evidence, pixels, parameters: unknown.parameters(), bounds: &bounds, effort: &effort, another: &another };
-        let found = closer.at(&mut stage, &best, &mut seeds);
-        if late() || found.amiss().is_some() || enough(&found) {
-            return Ok(found);
+        let looked = closer.at(&mut stage, &best, &mut seeds);
+        let found = &looked.found;
+        if late() || found.amiss().is_some() || enough(found) {
+            return Ok(looked.found);
         }
         let (doubtful, strayed) = (stage.doubtful(&found.clarity), !stage.holds(&found.values));
         if strayed && another() && (look < LOST || doubtful.is_empty()) {
-            best = found.values;
+            best.clone_from(&found.values);
             continue;
         }
         let held = |slot: usize| !strayed && found.errors()[slot] <= HELD * found.values[slot].abs();
         if doubtful.iter().all(|(slot, _)| held(*slot)) {
-            return Ok(found);
+            return Ok(looked.found);
         }
         tell("last look");
         let sheet = some(LAST_PIXELS);
         let mut stage = wide();
         stage.know(&found.values, true);
         let basis = stage.trace_all(sheet.numbers, (LAST_SAMPLES / sheet.numbers.len()) as u32, seeds.next());
-        return Ok(closer.averaged(found, &sheet, &stage, &basis));
+        return Ok(closer.averaged(looked, &sheet, &stage, &basis).found);
     }
     unreachable!()
 }

@@ -178,7 +178,8 @@ impl<'a> Scores<'a> {
         })
     }
 
-    /// Where the pixels that are held back would move the values, and how sure that is; `None` where it may be chance.
+    /// Where the pixels that are held back would move the values, and how sure that is; `None` where it is chance. Where it may be, nowhere, but the
+    /// values may be as far off.
     ///
     /// Noise that is as often too bright as too dark leaves nothing there. But a photograph whose few samples seldom find a small lamp is too dark
     /// in most pixels, and far too bright in some: these lead astray on the way, and are a part of the mean in the end. What only one half is off
@@ -195,8 +196,11 @@ impl<'a> Scores<'a> {
             }
         });
         let (way, covariance) = (sums[..n].to_vec(), Symmetric::of(n, |i, j| sums[n + i * n + j]));
-        let sure = |i: usize| way[i].powi(2) > SKEWED * covariance.at(i, i) && way[i].powi(2) > self.covariance.at(i, i);
-        (0..n).any(sure).then_some((way, covariance))
+        let beyond = |least: f64| (0..n).any(|i| way[i].powi(2) > (least * covariance.at(i, i)).max(self.covariance.at(i, i)));
+        if beyond(SKEWED) {
+            return Some((way, covariance));
+        }
+        beyond(PERHAPS).then(|| (vec![0.0; n], Symmetric::of(n, |i, j| way[i] * way[j])))
     }
 
     /// Whether both halves are off at a pixel by about as much.
@@ -418,8 +422,9 @@ pub const BOUNDINGS: usize = 12;
 /// Steps toward the values that the scores ask for, and of what a step is made of.
 pub const STEPS: usize = 24;
 
-/// How large the square of what was withheld must be, in terms of its variance, not to be chance.
+/// How large the square of what was withheld must be, in terms of its variance, not to be chance, and not to be taken for chance.
 const SKEWED: f64 = 6.25;
+const PERHAPS: f64 = 2.25;
 
 /// How much of what two halves are off by, in terms of their mean's square, they must have in common for it to be the photograph's: the mean of
 /// their squares is twice their product then.
