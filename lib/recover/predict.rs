@@ -3,9 +3,10 @@
 use super::doubts::Known;
 use super::look::Model;
 use super::model::Kind;
+use super::rough::{self, Sought};
 use super::scores::{Place, Scores};
 use super::sheet::{COMMON, Channels, Sheet, Weights};
-use super::{Evidence, clear, rough, supported};
+use super::{Evidence, clear, supported};
 use crate::anneal::linear::Symmetric;
 use crate::error::Result;
 use crate::picture::{Header, Picture};
@@ -54,7 +55,10 @@ pub fn predict(evidence: &Evidence, unknown: &Unknown, material: MaterialId, see
     supported(unknown)?;
     let pixels = evidence.pixels(unknown, material)?;
     match Kind::named(&unknown.material().kind) {
-        Some(kind) => by(&mut rough::near_start(evidence, unknown, material, kind), evidence, unknown, &pixels, seed),
+        Some(kind) => {
+            let sought = Sought { evidence, unknown, material, kind, pixels: &pixels };
+            by(&mut rough::near_start(&sought), evidence, unknown, &pixels, seed)
+        }
         None => {
             let sought = clear::Through::new(evidence, unknown, material);
             let found = by(&mut clear::near_start(evidence, &sought, material), evidence, &sought.unknown, &pixels, seed)?;

@@ -115,6 +115,13 @@ impl<'a> Stage<'a> {
         }
     }
 
+    /// A stage whose nodes lie around these values.
+    fn near(sought: &Sought<'a>, values: &[f64]) -> Self {
+        let Sought { evidence, unknown, material, kind, .. } = *sought;
+        let grid = roughness(kind, &unknown.reals(values)).map(|middle| around(middle, kind.nodes()));
+        Self::new(evidence, unknown, material, kind, grid, vec![])
+    }
+
     /// Takes the values for the true ones where they only decide what is worth how many samples.
     fn know(&mut self, values: &[f64], control: bool) {
         let guess = parts(self.kind, &self.unknown.reals(values)).map(Rgb::from);
@@ -240,9 +247,8 @@ fn around(middle: f64, (count, ratio): (usize, f64)) -> Vec<f64> {
 }
 
 /// A model near the starting values.
-pub fn near_start<'a>(evidence: &'a Evidence<'a>, unknown: &'a Unknown, material: MaterialId, kind: Kind) -> impl Model + 'a {
-    let grid = roughness(kind, &unknown.reals(&unknown.start())).map(|middle| around(middle, kind.nodes()));
-    Stage::new(evidence, unknown, material, kind, grid, vec![])
+pub fn near_start<'a>(sought: &Sought<'a>) -> impl Model + 'a {
+    Stage::near(sought, &sought.unknown.start())
 }
 
 /// Reflectances that a polished unknown is looked at with: as many as a product of the basis needs.
@@ -299,7 +305,11 @@ pub fn recover(sought: &Sought, effort: Effort, enough: &dyn Fn(&Recovery) -> bo
             tell("first look");
             let (stage, sheet) = (wide(), some(FIRST_PIXELS));
             let gram = Gram::new(&stage.trace_all(sheet.numbers, FIRST_SAMPLES, seeds.next()), &sheet.target, &sheet.relative);
-            search(&Problem { gram: &gram, coefficients: &|v| stage.coefficients(v), bounds: &bounds }, &stage, effort.seed)?
+            let found = search(&Problem { gram: &gram, coefficients: &|v| stage.coefficients(v), bounds: &bounds }, &stage, effort.seed)?;
+            match unknown.parameters().iter().position(|p| p.name == "tspec") {
+                Some(slot) if !effort.late() => through(&Sought { pixels: sheet.numbers, ..*sought }, effort, slot, found, &mut seeds),
+                _ => found,
+            }
         }
     };
 
@@ -307,8 +317,7 @@ pub fn recover(sought: &Sought, effort: Effort, enough: &dyn Fn(&Recovery) -> bo
     let begin = Instant::now();
     for look in 1.. {
         tell(&format!("look {look}"));
-        let grid = roughness(kind, &unknown.reals(&best)).map(|middle| around(middle, nodes));
-        let mut stage = Stage::new(evidence, unknown, material, kind, grid, vec![]);
+        let mut stage = Stage::near(sought, &best);
         let late = || !effort.affords_another(begin, look);
         let another = || look < MOST_LOOKS && !late();
         let closer = Look { evidence, pixels, parameters: unknown.parameters(), bounds: &bounds, effort: &effort, another: &another };
@@ -334,6 +343,21 @@ pub fn recover(sought: &Sought, effort: Effort, enough: &dyn Fn(&Recovery) -> bo
         return Ok(closer.averaged(looked, &sheet, &stage, &basis).found);
     }
     unreachable!()
+}
+
+/// The better of what a look finds from some values, and from others with much more, or less, of the light that goes through at parameter `slot` seen
+/// sharply. Along sharp lobes through a body it is so noisy where all roughnesses are looked at that none of it seems to fit best.
+fn through(sought: &Sought, effort: Effort, slot: usize, values: Vec<f64>, seeds: &mut Seeds) -> Vec<f64> {
+    let Sought { evidence, unknown, pixels, .. } = *sought;
+    let bounds = unknown.bounds();
+    let effort = Effort { quick: true, told: &|_| {}, ..effort };
+    let look = Look { evidence, pixels, parameters: unknown.parameters(), bounds: &bounds, effort: &effort, another: &|| false };
+    let (low, high) = bounds[slot];
+    let mut other = values.clone();
+    other[slot] = if values[slot] < 0.5 * (low + high) { 0.25 * low + 0.75 * high } else { 0.75 * low + 0.25 * high };
+    let [one, two] = [values, other].map(|values| look.at(&mut Stage::near(sought, &values), &values, seeds).found);
+    let loss = |found: &Recovery| found.losses.iter().sum::<f64>();
+    if loss(&two) < loss(&one) { two.values } else { one.values }
 }
 
 /// The deepest valley: annealing inside the bounds, and descents from every roughness in case it was not found.
