@@ -36,7 +36,7 @@ const POINTS: usize = 6;
 /// Samples of a pixel in the first round: with 24, errors are a third larger in as much time. Where it is foreseen which pixels tell most, so many of
 /// them are looked at, with more samples each.
 const LEAST: f64 = 64.0;
-const FIRST: First = First { pixels: 625, samples: 128, squares: true };
+const FIRST: First = First { pixels: 625, samples: 128, squares: true, again: false };
 
 /// How far the two indices that the pixels are looked at with lie to either side.
 const SPREAD: f64 = 0.003;

@@ -65,6 +65,8 @@ pub struct First {
     pub samples: u32,
     /// Whether whole squares are taken, in which neighbours say how far a pixel is to be trusted, or the single pixels that tell most.
     pub squares: bool,
+    /// Whether errors that satisfy are to be found so again: small errors of few samples may be small by chance.
+    pub again: bool,
 }
 
 /// The most samples of a pixel in each half of a round, whatever its share.
@@ -176,6 +178,8 @@ impl Look<'_> {
             // So many times as many samples as before may still be taken.
             let most = GROWTH.1.min(budget - 1.0).min((time - spared) / (1.0 + spared));
             let wanted = self.effort.more(self.parameters, &found, [count, all], each, foreseen.is_some());
+            let unsure = round == 1 && foreseen.as_ref().is_some_and(|first| first.again);
+            let wanted = wanted.or_else(|| unsure.then_some(More::Samples(2.0)));
             let go_on = !strayed && round < ROUNDS && !self.effort.quick && most >= GROWTH.0;
             let Some(more) = wanted.filter(|_| go_on) else {
                 let moved = self.moved(found.clone(), withheld.filter(|_| !strayed), model);

@@ -213,7 +213,7 @@ impl Model for Stage<'_> {
     }
 
     fn first(&self) -> First {
-        First { pixels: 600, samples: 64, squares: false }
+        First { pixels: 600, samples: 64, squares: false, again: true }
     }
 
     fn glints(&self) -> bool {
