@@ -345,7 +345,7 @@ fn aside(found: &Recovery, moved: &Recovery) -> Way {
 }
 
 /// The least part of its standard error that a round may leave of the one before.
-const SURER: f64 = 0.25;
+const SURER: f64 = 0.125;
 
 /// By how many standard errors pixels may be farther off after a step, of few pixels in terms of the most that they can be, which is the root of
 /// their number; and how often a step is halved for that.
