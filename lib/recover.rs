@@ -64,8 +64,8 @@ pub struct Evidence<'a> {
 pub struct Effort<'a> {
     /// Fixes every random choice.
     pub seed: u64,
-    /// When to end, if not when the noise of the rendering hardly matters any more.
-    pub until: Option<Instant>,
+    /// When to end, if not when the noise of the rendering hardly matters any more: asked again and again, since it may change its mind.
+    pub until: &'a (dyn Fn() -> Option<Instant> + Sync),
     /// The standard error that every value is to have, if not what the picture allows.
     pub tolerance: Option<f64>,
     /// About where the values are, if that is known.
@@ -106,12 +106,12 @@ pub struct Recovery {
 impl Effort<'_> {
     /// Whether time is over.
     fn late(&self) -> bool {
-        self.until.is_some_and(|until| Instant::now() >= until)
+        (self.until)().is_some_and(|until| Instant::now() >= until)
     }
 
     /// Whether there is time for one more look that takes as long as those since `begin` on the average.
     fn affords_another(&self, begin: Instant, looks: u32) -> bool {
-        !self.quick && self.until.is_none_or(|until| Instant::now() + begin.elapsed() / looks <= until)
+        !self.quick && (self.until)().is_none_or(|until| Instant::now() + begin.elapsed() / looks <= until)
     }
 }
 

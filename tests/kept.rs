@@ -42,6 +42,27 @@ fn trouble(directory: &Path, arguments: &str) -> String {
 }
 
 #[test]
+fn an_interrupted_recovery_says_what_is_known_by_then_and_keeps_nothing() {
+    let directory = ball();
+    let path = directory.path();
+    let child = anneal(path, &format!("{ASKED} --tolerance 1e-9 start.rad")).spawn().unwrap();
+    // From the first round on there is something to say.
+    let begin = Instant::now();
+    while fs::read_to_string(path.join("log.jsonl")).unwrap_or_default().is_empty() {
+        assert!(begin.elapsed() < Duration::from_secs(120), "no round has ended");
+        sleep(Duration::from_millis(5));
+    }
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    let done = child.wait_with_output().unwrap();
+    let said = String::from_utf8(done.stderr).unwrap();
+    assert_eq!(done.status.code(), Some(1), "{said}");
+    assert!(said.contains("interrupted: "), "{said}");
+    let text = String::from_utf8(done.stdout).unwrap();
+    assert!(text.contains("# red 0.6") && text.contains("void plastic it"), "{text}");
+    assert!(!path.join("state").exists());
+}
+
+#[test]
 fn a_killed_recovery_ends_at_the_same_bytes_and_a_finished_one_is_not_done_again() {
     let directory = ball();
     let path = directory.path();

@@ -16,7 +16,7 @@ use std::time::Duration;
 /// START.rad holds the material with the values to start from. The same file with the numbers that were found, and nothing
 /// else changed, goes to standard output, preceded by comment lines with chi-squared and each value's standard error.
 ///
-/// Exit status: 0 done, 1 the search ended before it reached --tolerance, or propose had nothing more to propose, 2 trouble.
+/// Exit status: 0 done, 1 the search was interrupted or ended before it reached --tolerance, or propose had nothing more to propose, 2 trouble.
 #[derive(clap::Parser, Clone, Debug)]
 #[command(
     name = "anneal",

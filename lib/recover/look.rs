@@ -147,7 +147,7 @@ impl Look<'_> {
         // One for all rounds: what they add to a pixel fills it evenly with what it has.
         let seed = seeds.next();
         // Where time is limited, some of the pixels tell how many of them there is time for.
-        let until = self.effort.until.filter(|_| !self.effort.quick);
+        let until = (self.effort.until)().filter(|_| !self.effort.quick);
         let mut count = if until.is_some() { (first * TRIED).ceil() } else { first };
         let mut basis = model.trace_all(&pixels[..count as usize], each as u32, seed);
         if let Some(until) = until {
@@ -170,7 +170,7 @@ impl Look<'_> {
             }
             let strayed = !model.holds(&found.values);
             let budget = if self.effort.tolerance.is_none() { BUDGET / each / count } else { f64::INFINITY };
-            let time = self.effort.until.map_or(f64::INFINITY, |until| {
+            let time = (self.effort.until)().map_or(f64::INFINITY, |until| {
                 until.saturating_duration_since(Instant::now()).as_secs_f64() / begin.elapsed().as_secs_f64()
             });
             let drifts = held && model.glints() && !strayed && !self.effort.quick;

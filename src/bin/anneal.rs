@@ -8,7 +8,7 @@ use inverad::cli::photo::{Direct, Photo};
 use inverad::cli::predict::predict;
 use inverad::cli::report::{self, Trail};
 use inverad::cli::search::{Objective, Search, Watch};
-use inverad::cli::{self, Answer, Console, Input, Outcome, Output};
+use inverad::cli::{self, Answer, Console, Input, Outcome, Output, interrupted};
 use inverad::error::Error;
 use inverad::recover::{Effort, answer, recover};
 use std::path::Path;
@@ -80,9 +80,18 @@ fn search(start: &str, arguments: &Arguments, console: &Console) -> Outcome<Answ
 fn look(start: &str, target: &str, arguments: &Arguments, console: &Console) -> Outcome<Answer> {
     let options = arguments.options()?;
     arguments.idle().iter().for_each(|option| console.note(&format!("{option} is for --exec and --direct; it does nothing here")));
-    let until = arguments.time().map(|time| Instant::now() + time);
-    let effort =
-        Effort { seed: options.seed, until, tolerance: options.tolerance, around: None, quick: false, rate: &|_, _| 1.0, told: &|_| {} };
+    let begin = Instant::now();
+    let (stopped, ends) = (interrupted(), arguments.time().map(|time| begin + time));
+    let until = || if stopped() { Some(begin) } else { ends };
+    let effort = Effort {
+        seed: options.seed,
+        until: &until,
+        tolerance: options.tolerance,
+        around: None,
+        quick: false,
+        rate: &|_, _| 1.0,
+        told: &|_| {},
+    };
     let Taken { mut photo, mut title, mut doubts, asked, found } = take(start, target, effort, arguments, console)?;
     let unknown = &photo.unknown().clone();
     let (found, rounds) = found.unzip();
@@ -93,12 +102,15 @@ fn look(start: &str, target: &str, arguments: &Arguments, console: &Console) -> 
         None => {
             let found = recover(&photo.evidence(), unknown, photo.material(), effort, &|so_far| console.progress(|| so_far.into()))?;
             trail.hear(&found, console);
-            if let Some(path) = &arguments.search.state {
+            if stopped() {
+                console.note("interrupted: the values are those of the samples taken by then");
+            } else if let Some(path) = &arguments.search.state {
                 Kept::save(path, asked, &unknown.material().kind, &title, &doubts, &found, &trail)?;
             }
             found
         }
     };
+    let cut = stopped();
     let answer = answer::Answer::new(unknown, &found.values, Some(&found.known()));
     title.extend(photo.blurred(&found));
     title.push(format!("chi2 {} over {} pixels", answer::six(found.chi2), found.pixels));
@@ -111,7 +123,7 @@ fn look(start: &str, target: &str, arguments: &Arguments, console: &Console) -> 
     trail.written()?;
     let missed = options.tolerance.and_then(|tolerance| answer::missed(unknown.parameters(), &found.errors(), tolerance));
     missed.iter().for_each(|missed| console.warn(missed));
-    Ok(if missed.is_none() { Answer::Yes } else { Answer::No })
+    Ok(if missed.is_none() && !cut { Answer::Yes } else { Answer::No })
 }
 
 /// Searches for the unknown with someone who judges each candidate.
