@@ -211,14 +211,19 @@ impl<'a> Scores<'a> {
 
     /// The part of the squares of what both halves together are off by that the noise of the rendering makes.
     pub fn own_part(&self) -> f64 {
-        let sums = total(self.pixels(), 2, |p, sums| {
-            for c in 0..3 {
-                let (w, [a, b]) = (weight(&self.weights.halves, p, c), [0, 1].map(|half| self.residual(p, c, half)));
-                sums[0] += w * (a - b).powi(2);
-                sums[1] += w * (a + b).powi(2);
-            }
-        });
-        if sums[1] > 0.0 { (sums[0] / sums[1]).min(1.0) } else { 0.0 }
+        let whole = self.squares(|a, b| a + b);
+        if whole > 0.0 { (self.noise() / whole).min(1.0) } else { 0.0 }
+    }
+
+    /// How much of what the halves are off by is the noise of the rendering: the sum over pixels of its squares, weighted.
+    pub fn noise(&self) -> f64 {
+        self.squares(|a, b| a - b)
+    }
+
+    /// The weighted sum over pixels of the squares of something that is made of what both halves are off by.
+    fn squares(&self, of: impl Fn(f64, f64) -> f64 + Sync) -> f64 {
+        let square = |p: usize, c: usize| weight(&self.weights.halves, p, c) * of(self.residual(p, c, 0), self.residual(p, c, 1)).powi(2);
+        total(self.pixels(), 1, |p, sum| sum[0] += (0..3).map(|c| square(p, c)).sum::<f64>())[0]
     }
 
     /// How much of the derivative by each parameter is not noise, from 0 to 1.
