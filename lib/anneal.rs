@@ -6,13 +6,12 @@
 //!
 //! 1. Survey: the start and points spread evenly over the box. Their chi-squared values set the temperature.
 //! 2. Walk: Metropolis chains from the best of them, cooling; the worst chains end on the way. Stages change
-//!    the objective from coarse to fine; what was best under the old one is evaluated anew under the next.
+//!    the objective from coarse to fine; what was best under the old one is evaluated anew under the next. Sun and Wu (2002) accept a change only if
+//!    it is an improvement: that is this at temperature 0.
 //! 3. Polish: local quadratics through all that was measured near the best.
 //!
 //! Evaluations may be noisy. A value that repeats differently is averaged before it is believed, and the answer is the
 //! minimum of the quadratic, not the luckiest value.
-//!
-//! Sun and Wu (2002) accept a change only if it is an improvement: that is this at temperature 0.
 
 mod check;
 pub mod linear;
@@ -203,8 +202,8 @@ impl Annealer {
     /// Drives the search to its end with a function that says the chi-squared of a vector under a stage's objective.
     pub fn drive(&mut self, mut chi2: impl FnMut(&[f64], usize) -> f64) {
         while let Some(values) = self.propose() {
-            let value = chi2(values, self.stage());
-            self.tell(value);
+            let told = chi2(values, self.stage());
+            self.tell(told);
         }
     }
 

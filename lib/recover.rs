@@ -103,7 +103,12 @@ pub struct Recovery {
     pub clarity: Vec<f64>,
 }
 
-impl Effort<'_> {
+impl<'a> Effort<'a> {
+    /// To find all that is unknown, wherever it is.
+    pub fn new(seed: u64, tolerance: Option<f64>, until: &'a (dyn Fn() -> Option<Instant> + Sync)) -> Self {
+        Self { seed, until, tolerance, around: None, quick: false, rate: &|_, _| 1.0, told: &|_| {} }
+    }
+
     /// Whether time is over.
     fn late(&self) -> bool {
         (self.until)().is_some_and(|until| Instant::now() >= until)

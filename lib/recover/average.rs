@@ -117,7 +117,7 @@ impl Look<'_> {
         let candidates: Vec<Scores> = (0..range.len()).into_par_iter().with_max_len(1).map(best_with).collect();
         let smallest = |of: &dyn Fn(usize) -> f64| (0..range.len()).min_by(|&a, &b| of(a).total_cmp(&of(b))).unwrap_or(0);
         let mut best = smallest(&|i| range.values(i).map(|(slot, value)| (value - found.values[slot]).abs()).sum());
-        let noise: Vec<f64> = candidates.iter().map(Scores::noise).collect();
+        let noise: Vec<f64> = candidates.iter().map(|c| c.squares(-1.0)).collect();
         let most = NOISY * noise[best];
         let excess = |from: usize| -> Vec<f64> {
             let off = |(other, noise): (&Scores, &f64)| if *noise > most { f64::INFINITY } else { candidates[from].excess(&other.place) };

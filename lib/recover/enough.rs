@@ -108,7 +108,7 @@ mod tests {
     use crate::anneal::linear::Symmetric;
 
     fn effort(tolerance: Option<f64>) -> Effort<'static> {
-        Effort { seed: 0, until: &|| None, tolerance, around: None, quick: false, rate: &|_, _| 1.0, told: &|_| {} }
+        Effort::new(0, tolerance, &|| None)
     }
 
     /// A parameter, and what was found of it: this standard error, a part of it the rendering's `own`.

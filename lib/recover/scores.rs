@@ -197,10 +197,8 @@ impl<'a> Scores<'a> {
         });
         let (way, covariance) = (sums[..n].to_vec(), Symmetric::of(n, |i, j| sums[n + i * n + j]));
         let beyond = |least: f64| (0..n).any(|i| way[i].powi(2) > (least * covariance.at(i, i)).max(self.covariance.at(i, i)));
-        if beyond(SKEWED) {
-            return Some((way, covariance));
-        }
-        beyond(PERHAPS).then(|| (vec![0.0; n], Symmetric::of(n, |i, j| way[i] * way[j])))
+        let perhaps = || beyond(PERHAPS).then(|| (vec![0.0; n], Symmetric::of(n, |i, j| way[i] * way[j])));
+        if beyond(SKEWED) { Some((way, covariance)) } else { perhaps() }
     }
 
     /// Whether both halves are off at a pixel by about as much.
@@ -211,19 +209,16 @@ impl<'a> Scores<'a> {
 
     /// The part of the squares of what both halves together are off by that the noise of the rendering makes.
     pub fn own_part(&self) -> f64 {
-        let whole = self.squares(|a, b| a + b);
-        if whole > 0.0 { (self.noise() / whole).min(1.0) } else { 0.0 }
+        let whole = self.squares(1.0);
+        if whole > 0.0 { (self.squares(-1.0) / whole).min(1.0) } else { 0.0 }
     }
 
-    /// How much of what the halves are off by is the noise of the rendering: the sum over pixels of its squares, weighted.
-    pub fn noise(&self) -> f64 {
-        self.squares(|a, b| a - b)
-    }
-
-    /// The weighted sum over pixels of the squares of something that is made of what both halves are off by.
-    fn squares(&self, of: impl Fn(f64, f64) -> f64 + Sync) -> f64 {
-        let square = |p: usize, c: usize| weight(&self.weights.halves, p, c) * of(self.residual(p, c, 0), self.residual(p, c, 1)).powi(2);
-        total(self.pixels(), 1, |p, sum| sum[0] += (0..3).map(|c| square(p, c)).sum::<f64>())[0]
+    /// The weighted squares, over all pixels, of what one half is off by plus `sign` times the other: of the rendering's noise if that is −1.
+    pub fn squares(&self, sign: f64) -> f64 {
+        let both = |p: usize, c: usize| self.residual(p, c, 0) + sign * self.residual(p, c, 1);
+        total(self.pixels(), 3, |p, sums| (0..3).for_each(|c| sums[c] += weight(&self.weights.halves, p, c) * both(p, c).powi(2)))
+            .iter()
+            .sum()
     }
 
     /// How much of the derivative by each parameter is not noise, from 0 to 1.

@@ -80,18 +80,9 @@ fn search(start: &str, arguments: &Arguments, console: &Console) -> Outcome<Answ
 fn look(start: &str, target: &str, arguments: &Arguments, console: &Console) -> Outcome<Answer> {
     let options = arguments.options()?;
     arguments.idle().iter().for_each(|option| console.note(&format!("{option} is for --exec and --direct; it does nothing here")));
-    let begin = Instant::now();
-    let (stopped, ends) = (interrupted(), arguments.time().map(|time| begin + time));
-    let until = || if stopped() { Some(begin) } else { ends };
-    let effort = Effort {
-        seed: options.seed,
-        until: &until,
-        tolerance: options.tolerance,
-        around: None,
-        quick: false,
-        rate: &|_, _| 1.0,
-        told: &|_| {},
-    };
+    let (begin, stopped) = (Instant::now(), interrupted());
+    let until = || if stopped() { Some(begin) } else { arguments.time().map(|time| begin + time) };
+    let effort = Effort::new(options.seed, options.tolerance, &until);
     let Taken { mut photo, mut title, mut doubts, asked, found } = take(start, target, effort, arguments, console)?;
     let unknown = &photo.unknown().clone();
     let (found, rounds) = found.unzip();
@@ -102,15 +93,14 @@ fn look(start: &str, target: &str, arguments: &Arguments, console: &Console) -> 
         None => {
             let found = recover(&photo.evidence(), unknown, photo.material(), effort, &|so_far| console.progress(|| so_far.into()))?;
             trail.hear(&found, console);
-            if stopped() {
-                console.note("interrupted: the values are those of the samples taken by then");
-            } else if let Some(path) = &arguments.search.state {
+            if let Some(path) = arguments.search.state.as_ref().filter(|_| !stopped()) {
                 Kept::save(path, asked, &unknown.material().kind, &title, &doubts, &found, &trail)?;
             }
             found
         }
     };
     let cut = stopped();
+    cut.then(|| console.note("interrupted: the values are those of the samples taken by then"));
     let answer = answer::Answer::new(unknown, &found.values, Some(&found.known()));
     title.extend(photo.blurred(&found));
     title.push(format!("chi2 {} over {} pixels", answer::six(found.chi2), found.pixels));
