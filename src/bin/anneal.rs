@@ -88,18 +88,18 @@ fn look(start: &str, target: &str, arguments: &Arguments, console: &Console) -> 
     let (found, rounds) = found.unzip();
     let trail = Trail::new(unknown, rounds, arguments.search.log.as_deref())?;
     let effort = Effort { told: &|found| trail.hear(found, console), ..effort };
-    let found = match found {
-        Some(found) => found,
+    let (found, cut) = match found {
+        Some(found) => (found, false),
         None => {
             let found = recover(&photo.evidence(), unknown, photo.material(), effort, &|so_far| console.progress(|| so_far.into()))?;
             trail.hear(&found, console);
-            if let Some(path) = arguments.search.state.as_ref().filter(|_| !stopped()) {
+            let cut = stopped();
+            if let Some(path) = arguments.search.state.as_ref().filter(|_| !cut) {
                 Kept::save(path, asked, &unknown.material().kind, &title, &doubts, &found, &trail)?;
             }
-            found
+            (found, cut)
         }
     };
-    let cut = stopped();
     cut.then(|| console.note("interrupted: the values are those of the samples taken by then"));
     let answer = answer::Answer::new(unknown, &found.values, Some(&found.known()));
     title.extend(photo.blurred(&found));
