@@ -69,6 +69,44 @@ impl Form {
             Self::Color => "32-bit_rle_rgbe",
         }
     }
+
+    /// Adds rays to those until there are `most`, as far as they are whole and of finite numbers, but none behind one without direction; how
+    /// many bytes they are.
+    fn take(self, bytes: &[u8], rays: &mut Vec<[f64; 6]>, most: usize) -> usize {
+        match self {
+            Self::Ascii => words(bytes).filter(|(ray, _)| is_finite(ray)).map_or(0, |(ray, length)| {
+                rays.push(ray);
+                length
+            }),
+            Self::Double => take(bytes, rays, most, f64::from_ne_bytes),
+            _ => take(bytes, rays, most, |number| f32::from_ne_bytes(number) as f64),
+        }
+    }
+}
+
+/// The same of numbers of so many bytes.
+fn take<const N: usize>(bytes: &[u8], rays: &mut Vec<[f64; 6]>, most: usize, number: impl Fn([u8; N]) -> f64) -> usize {
+    let before = rays.len();
+    for ray in bytes.as_chunks().0.as_chunks::<6>().0.iter().take(most - before) {
+        let ray = ray.map(&number);
+        if !is_finite(&ray) {
+            break;
+        }
+        rays.push(ray);
+        if is_still(&ray) {
+            break;
+        }
+    }
+    (rays.len() - before) * 6 * N
+}
+
+/// Whether a ray has no direction: all answers are then wanted at once.
+pub fn is_still(ray: &[f64; 6]) -> bool {
+    ray[3..] == [0.0; 3]
+}
+
+fn is_finite(ray: &[f64; 6]) -> bool {
+    ray.iter().all(|number| number.is_finite())
 }
 
 /// The longest word of a text, in bytes.
@@ -122,32 +160,24 @@ impl<R: BufRead> Reader<R> {
         Self { input, form, rays: 0 }
     }
 
-    /// Adds the next ray to those; false at the end.
-    #[inline]
-    pub fn read(&mut self, rays: &mut Vec<[f64; 6]>) -> Result<bool> {
-        if !self.ready(rays) {
-            match self.pieces()? {
-                Some(ray) => rays.push(ray),
-                None => return Ok(false),
+    /// Adds rays to those until there are `most`, but none behind one without direction; fewer at the end.
+    pub fn read(&mut self, rays: &mut Vec<[f64; 6]>, most: usize) -> Result<()> {
+        while rays.len() < most && !rays.last().is_some_and(is_still) {
+            let before = rays.len();
+            if let Ok(bytes) = self.input.fill_buf() {
+                let taken = self.form.take(bytes, rays, most);
+                self.input.consume(taken);
             }
+            // Where the next ray's bytes are not all there, or no ray, its numbers come one by one.
+            if rays.len() == before {
+                match self.pieces()? {
+                    Some(ray) => rays.push(ray),
+                    None => return Ok(()),
+                }
+            }
+            self.rays += rays.len() - before;
         }
-        self.rays += 1;
-        Ok(true)
-    }
-
-    /// Adds a ray whose bytes are all there, as they mostly are; else its numbers come one by one.
-    #[inline]
-    fn ready(&mut self, rays: &mut Vec<[f64; 6]>) -> bool {
-        let Ok(bytes) = self.input.fill_buf() else { return false };
-        let ray = match self.form {
-            Form::Ascii => words(bytes),
-            Form::Double => bytes.as_chunks().0.first_chunk::<6>().map(|ray| (ray.map(f64::from_ne_bytes), size_of_val(ray))),
-            _ => bytes.as_chunks().0.first_chunk::<6>().map(|ray| (ray.map(|b| f32::from_ne_bytes(b) as f64), size_of_val(ray))),
-        };
-        let Some((ray, length)) = ray.filter(|(ray, _)| ray.iter().all(|number| number.is_finite())) else { return false };
-        rays.push(ray);
-        self.input.consume(length);
-        true
+        Ok(())
     }
 
     /// The next ray, number by number; `None` at the end.
@@ -261,7 +291,7 @@ mod tests {
 
     fn read(mut reader: Reader<impl BufRead>) -> Result<Vec<[f64; 6]>> {
         let mut rays = Vec::new();
-        while reader.read(&mut rays)? {}
+        reader.read(&mut rays, usize::MAX)?;
         Ok(rays)
     }
 

@@ -2,7 +2,7 @@
 
 use super::{Console, Outcome, Output};
 use crate::picture::SOFTWARE;
-use crate::rays::{Asked, Form, Reader, Space, Teller};
+use crate::rays::{Asked, Form, Reader, Space, Teller, is_still};
 use crate::render::Budget;
 use rayon::prelude::*;
 use std::io::{self, BufReader};
@@ -48,18 +48,9 @@ pub fn answer(mut teller: Teller, stream: &Stream, console: &Console) -> Outcome
     let mut batch: Vec<[f64; 6]> = Vec::new();
     while left != Some(0) && trouble.is_none() {
         let most = (if flushed { stream.x } else { all }).min(left.unwrap_or(u64::MAX).try_into().unwrap_or(usize::MAX));
-        let mut at_once = false;
         batch.clear();
-        while batch.len() < most && !at_once {
-            match reader.read(&mut batch) {
-                Ok(true) => at_once = batch.last().is_some_and(|ray| ray[3..] == [0.0; 3]),
-                Ok(false) => break,
-                Err(error) => {
-                    trouble = Some(error);
-                    break;
-                }
-            }
-        }
+        trouble = reader.read(&mut batch, most).err();
+        let at_once = batch.last().is_some_and(is_still);
         if batch.is_empty() {
             break;
         }
