@@ -143,7 +143,7 @@ impl Look<'_> {
                 (first, (FIRST / first).min(EACH).floor())
             }
         };
-        let (mut best, mut before) = (near.to_vec(), vec![0.0; near.len()]);
+        let (mut best, mut before) = (near.to_vec(), [vec![0.0; near.len()], vec![0.0; near.len()]]);
         // One for all rounds: what they add to a pixel fills it evenly with what it has.
         let seed = seeds.next();
         // Where time is limited, some of the pixels tell how many of them there is time for.
@@ -159,8 +159,9 @@ impl Look<'_> {
         for round in 1.. {
             let sheet = Sheet::new(self.evidence, &pixels[..count as usize]);
             let Fit { mut found, influence, held, withheld } = self.fit(&sheet, model, &basis, &best);
+            let seen = found.errors();
             self.temper(&mut found, &before);
-            before = found.errors();
+            before = [found.errors(), seen];
             (self.effort.told)(&found);
             if self.evidence.blurred {
                 let blurred = self.blurred(found.clone(), &sheet, model, &basis);
@@ -236,13 +237,13 @@ impl Look<'_> {
         ((0..places.len()).filter_map(next).flatten().chain(others).copied().collect(), Some(first))
     }
 
-    /// Takes the errors of a round for no smaller than a part of those `before`: few more samples make none so much surer but by chance, as where
-    /// a pixel or two tell a value and follow it.
-    fn temper(&self, found: &mut Recovery, before: &[f64]) {
-        for (i, (parameter, before)) in self.parameters.iter().zip(before).enumerate() {
+    /// Takes the errors of a round for no smaller than a part of those taken before: few more samples make none so much surer but by chance, as where
+    /// a pixel or two tell a value and follow it. One that was seen so small before, is.
+    fn temper(&self, found: &mut Recovery, [taken, seen]: &[Vec<f64>; 2]) {
+        for (i, parameter) in self.parameters.iter().enumerate() {
             // What bounds alone would say.
             let unit = (parameter.high - parameter.low) / 12f64.sqrt();
-            let least = (SURER * before.min(unit)).powi(2);
+            let least = (SURER * taken[i].min(unit)).min(seen[i]).powi(2);
             if found.covariance.at(i, i) < least {
                 // What more samples would make of it is not known either.
                 found.own.set(i, i, least * found.own_part(i));
