@@ -18,7 +18,7 @@ use inverad::import;
 use inverad::integrator::{Integrator, Radiance};
 use inverad::picture::{Picture, exr, exr::Planes, hdr};
 use inverad::rad::{Document, decode};
-use inverad::rays::{Form, Reader};
+use inverad::rays::{Form, Reader, is_still};
 use inverad::render;
 use inverad::resolve::Files;
 use inverad::rules::Rules;
@@ -226,11 +226,11 @@ pub fn rays(data: &[u8]) {
     let mut reader = Reader::new(stream, [Form::Ascii, Form::Single, Form::Double][form as usize % 3]);
     let mut rays = Vec::new();
     loop {
-        match reader.read(&mut rays) {
-            Ok(true) => assert!(rays.iter().flatten().all(|v| v.is_finite()), "{:?}", rays.pop()),
-            Ok(false) => return,
-            Err(error) => return shown(&[error]),
+        if let Err(error) = reader.read(&mut rays, 3) {
+            return shown(&[error]);
         }
+        let Some((_, before)) = rays.split_last() else { return };
+        assert!(rays.len() <= 3 && !before.iter().any(is_still) && rays.iter().flatten().all(|v| v.is_finite()), "{rays:?}");
         rays.clear();
     }
 }
