@@ -296,6 +296,24 @@ mod tests {
     }
 
     #[test]
+    fn no_more_rays_are_read_than_asked_for_and_none_behind_one_without_direction() {
+        let numbers = [1.0f32, 1.0, 1.0, 0.0, 1.0, 1.0];
+        let (text, single) = (
+            numbers.map(|v| format!("{v} {v} {v} {v} {v} {v}\n")).concat(),
+            numbers.iter().flat_map(|v| [v.to_ne_bytes(); 6]).flatten().collect::<Vec<u8>>(),
+        );
+        for (bytes, form) in [(text.as_bytes(), Form::Ascii), (&single[..], Form::Single)] {
+            let mut reader = Reader::new(bytes, form);
+            let counts = [(); 4].map(|()| {
+                let mut rays = Vec::new();
+                reader.read(&mut rays, 3).unwrap();
+                rays.len()
+            });
+            assert_eq!(counts, [3, 1, 2, 0]);
+        }
+    }
+
+    #[test]
     fn what_is_no_ray_is_an_error_with_its_number() {
         for (text, wanted) in [
             ("0 0 0 0 0 1 2 3", "<stdin>: ray 2: the input ends after 2 of its 6 numbers"),
