@@ -70,43 +70,21 @@ impl Form {
         }
     }
 
-    /// Adds rays to those until there are `most`, as far as they are whole and of finite numbers, but none behind one without direction; how
-    /// many bytes they are.
-    fn take(self, bytes: &[u8], rays: &mut Vec<[f64; 6]>, most: usize) -> usize {
-        match self {
-            Self::Ascii => words(bytes).filter(|(ray, _)| is_finite(ray)).map_or(0, |(ray, length)| {
-                rays.push(ray);
-                length
-            }),
-            Self::Double => take(bytes, rays, most, f64::from_ne_bytes),
-            _ => take(bytes, rays, most, |number| f32::from_ne_bytes(number) as f64),
-        }
+    /// The ray that bytes begin with, if it is whole and of finite numbers, and how many bytes it is.
+    #[inline]
+    fn first(self, bytes: &[u8]) -> Option<([f64; 6], usize)> {
+        let first = match self {
+            Self::Ascii => words(bytes),
+            Self::Double => bytes.as_chunks().0.first_chunk::<6>().map(|ray| (ray.map(f64::from_ne_bytes), size_of_val(ray))),
+            _ => bytes.as_chunks().0.first_chunk::<6>().map(|ray| (ray.map(|b| f32::from_ne_bytes(b) as f64), size_of_val(ray))),
+        };
+        first.filter(|(ray, _)| ray.iter().all(|number| number.is_finite()))
     }
-}
-
-/// The same of numbers of so many bytes.
-fn take<const N: usize>(bytes: &[u8], rays: &mut Vec<[f64; 6]>, most: usize, number: impl Fn([u8; N]) -> f64) -> usize {
-    let before = rays.len();
-    for ray in bytes.as_chunks().0.as_chunks::<6>().0.iter().take(most - before) {
-        let ray = ray.map(&number);
-        if !is_finite(&ray) {
-            break;
-        }
-        rays.push(ray);
-        if is_still(&ray) {
-            break;
-        }
-    }
-    (rays.len() - before) * 6 * N
 }
 
 /// Whether a ray has no direction: all answers are then wanted at once.
 pub fn is_still(ray: &[f64; 6]) -> bool {
     ray[3..] == [0.0; 3]
-}
-
-fn is_finite(ray: &[f64; 6]) -> bool {
-    ray.iter().all(|number| number.is_finite())
 }
 
 /// The longest word of a text, in bytes.
@@ -162,10 +140,17 @@ impl<R: BufRead> Reader<R> {
 
     /// Adds rays to those until there are `most`, but none behind one without direction; fewer at the end.
     pub fn read(&mut self, rays: &mut Vec<[f64; 6]>, most: usize) -> Result<()> {
-        while rays.len() < most && !rays.last().is_some_and(is_still) {
+        let wanted = |rays: &[[f64; 6]]| rays.len() < most && !rays.last().is_some_and(is_still);
+        while wanted(rays) {
             let before = rays.len();
             if let Ok(bytes) = self.input.fill_buf() {
-                let taken = self.form.take(bytes, rays, most);
+                let mut taken = 0;
+                while wanted(rays)
+                    && let Some((ray, length)) = self.form.first(&bytes[taken..])
+                {
+                    rays.push(ray);
+                    taken += length;
+                }
                 self.input.consume(taken);
             }
             // Where the next ray's bytes are not all there, or no ray, its numbers come one by one.

@@ -143,7 +143,7 @@ impl Look<'_> {
                 (first, (FIRST / first).min(EACH).floor())
             }
         };
-        let (mut best, mut before) = (near.to_vec(), [vec![0.0; near.len()], vec![0.0; near.len()]]);
+        let (mut best, mut before) = (near.to_vec(), [(); 2].map(|()| vec![0.0; near.len()]));
         // One for all rounds: what they add to a pixel fills it evenly with what it has.
         let seed = seeds.next();
         // Where time is limited, some of the pixels tell how many of them there is time for.
