@@ -238,22 +238,24 @@ pub struct Writer {
 
 impl Writer {
     /// Numbers.
-    pub fn numbers(&mut self, numbers: &[f64]) {
-        for &number in numbers {
-            match self.form {
-                Form::Ascii => {
-                    printf::put_e(&mut self.bytes, number, 6);
-                    self.bytes.push(b'\t');
-                }
-                Form::Double => self.bytes.extend_from_slice(&number.to_ne_bytes()),
-                Form::Single | Form::Color => self.bytes.extend_from_slice(&(number as f32).to_ne_bytes()),
-            }
+    #[inline(always)]
+    pub fn numbers<const N: usize>(&mut self, numbers: [f64; N]) {
+        match self.form {
+            Form::Ascii => numbers.iter().for_each(|&number| self.text(number)),
+            Form::Double => self.bytes.extend_from_slice(numbers.map(f64::to_ne_bytes).as_flattened()),
+            Form::Single | Form::Color => self.bytes.extend_from_slice(numbers.map(|number| (number as f32).to_ne_bytes()).as_flattened()),
         }
+    }
+
+    /// A number as text.
+    fn text(&mut self, number: f64) {
+        printf::put_e(&mut self.bytes, number, 6);
+        self.bytes.push(b'\t');
     }
 
     /// A vector.
     pub fn vector(&mut self, vector: Vec3) {
-        self.numbers(&vector.to_array());
+        self.numbers(vector.to_array());
     }
 
     /// A colour. One that no pixel can hold is black.
@@ -261,7 +263,8 @@ impl Writer {
         let channels = self.space.of(color);
         match self.form {
             Form::Color => self.bytes.extend_from_slice(&hdr::encode(channels.map(|v| v as f32)).unwrap_or_default()),
-            _ => self.numbers(&channels[..self.space.channels()]),
+            _ if self.space.channels() == 1 => self.numbers([channels[0]]),
+            _ => self.numbers(channels),
         }
     }
 

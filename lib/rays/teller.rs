@@ -3,6 +3,7 @@
 use super::fields::{Field, Fields, Space, Writer};
 use super::tree::{DARK, Fate, Met, Tree, nothing};
 use super::{Asked, Form, Format};
+use crate::accel::Hit;
 use crate::color::Rgb;
 use crate::geometry::{FAR, Ray};
 use crate::integrator::{Integrator, Outcome, Radiance};
@@ -53,8 +54,8 @@ struct Record<'a, 'w> {
     met: &'a Met<'w>,
     fate: &'a Fate,
     weight: f64,
-    coefficient: Rgb,
-    contribution: Rgb,
+    coefficient: &'a Rgb,
+    contribution: &'a Rgb,
 }
 
 impl<'w> Teller<'w> {
@@ -63,7 +64,9 @@ impl<'w> Teller<'w> {
         Writer { bytes: Vec::new(), form: self.format.output, space: self.space }
     }
 
-    /// Writes the record of a ray; `number` makes its random choices its own.
+    /// Writes the record of a ray; `number` makes its random choices its own. Inlined, with what it does for the simplest record, since where
+    /// only the first surface is asked for, calls would take as long as finding that.
+    #[inline(always)]
     pub fn tell(&self, asked: &Asked, number: u64, writer: &mut Writer) {
         if asked.ray.direction == Vec3::ZERO {
             return self.empty(asked, writer);
@@ -135,19 +138,25 @@ impl<'w> Teller<'w> {
     }
 
     /// Finds what a ray meets first.
+    #[inline(always)]
     fn first(&self, ray: &Ray, limit: f64, first: &mut Met<'w>) {
         let hit = self.world.nearest(ray, limit);
         first.meet(self.world, ray, hit.as_ref(), limit, self.fields.needs.known);
         if let Some(hit) = hit.as_ref().filter(|_| self.fields.needs.layers) {
-            let coming = Coming::viewer(ray);
-            let mut share = 0.0;
-            self.world.layers(hit, &coming, self.rules, &mut |layer| {
-                if layer.fraction > share {
-                    first.see(layer);
-                    share = layer.fraction;
-                }
-            });
+            self.see(ray, hit, first);
         }
+    }
+
+    /// Takes in what most of a surface is made of.
+    fn see(&self, ray: &Ray, hit: &Hit, first: &mut Met<'w>) {
+        let coming = Coming::viewer(ray);
+        let mut share = 0.0;
+        self.world.layers(hit, &coming, self.rules, &mut |layer| {
+            if layer.fraction > share {
+                first.see(layer);
+                share = layer.fraction;
+            }
+        });
     }
 
     /// Writes the records of all rays that a ray leads to, sample by sample, each before the one that it comes from; its own at last.
@@ -184,6 +193,7 @@ impl<'w> Teller<'w> {
         }
     }
 
+    #[inline(always)]
     fn write(&self, writer: &mut Writer, fields: &[Field], record: &Record) {
         let Record { ray, met, fate, .. } = record;
         for field in fields {
@@ -191,12 +201,12 @@ impl<'w> Teller<'w> {
                 Field::Origin => writer.vector(ray.origin),
                 Field::Direction => writer.vector(ray.direction),
                 Field::Value => writer.color(fate.light),
-                Field::Contribution => writer.color(record.contribution),
-                Field::Weight => writer.numbers(&[record.weight]),
-                Field::Coefficient => writer.color(record.coefficient),
-                Field::Effective => writer.numbers(&[fate.effective()]),
-                Field::Length => writer.numbers(&[met.length]),
-                Field::Local => writer.numbers(&met.local),
+                Field::Contribution => writer.color(*record.contribution),
+                Field::Weight => writer.numbers([record.weight]),
+                Field::Coefficient => writer.color(*record.coefficient),
+                Field::Effective => writer.numbers([fate.effective()]),
+                Field::Length => writer.numbers([met.length]),
+                Field::Local => writer.numbers(met.local),
                 Field::Point => writer.vector(met.point),
                 Field::Normal => writer.vector(met.normal),
                 Field::Unperturbed => writer.vector(met.unperturbed),
@@ -204,9 +214,9 @@ impl<'w> Teller<'w> {
                 Field::Modifier => writer.name(met.names.map_or("*", |n| n.modifier)),
                 Field::Material => writer.name(met.names.map_or("*", |n| n.material)),
                 Field::Mirrored => writer.color(fate.mirrored),
-                Field::MirroredLength => writer.numbers(&[fate.mirrored_length]),
+                Field::MirroredLength => writer.numbers([fate.mirrored_length]),
                 Field::Unmirrored => writer.color(fate.unmirrored()),
-                Field::UnmirroredLength => writer.numbers(&[fate.unmirrored_length]),
+                Field::UnmirroredLength => writer.numbers([fate.unmirrored_length]),
                 Field::Tilde => writer.name("~"),
             }
         }
@@ -230,7 +240,7 @@ pub fn lengths(task: &Task) -> Vec<f64> {
 
 /// The record of a ray that was asked about.
 fn whole<'a, 'w>(ray: &'a Ray, met: &'a Met<'w>, fate: &'a Fate) -> Record<'a, 'w> {
-    Record { ray, met, fate, weight: 1.0, coefficient: Rgb::ONE, contribution: fate.light }
+    Record { ray, met, fate, weight: 1.0, coefficient: &Rgb::ONE, contribution: &fate.light }
 }
 
 /// What becomes of a ray in a tree by itself, and what its light comes to at the viewer.
@@ -243,6 +253,6 @@ fn own(tree: &Tree, fates: &[Fate], node: usize) -> (Fate, Rgb) {
 /// The record of a ray in a tree.
 fn record<'a, 'w>(tree: &'a Tree<'w>, node: usize, (fate, contribution): &'a (Fate, Rgb)) -> Record<'a, 'w> {
     let at = &tree.nodes[node];
-    let coefficient = if tree.missed(node) { Rgb::ZERO } else { at.coefficient };
-    Record { ray: &at.ray, met: &at.met, fate, weight: at.weight, coefficient, contribution: *contribution }
+    let coefficient = if tree.missed(node) { &Rgb::ZERO } else { &at.coefficient };
+    Record { ray: &at.ray, met: &at.met, fate, weight: at.weight, coefficient, contribution }
 }
