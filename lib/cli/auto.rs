@@ -6,7 +6,7 @@ use super::{Console, Input, Outcome};
 use crate::args::anneal::{AUTO, Arguments};
 use crate::error::{Error, Result};
 use crate::rad::Document;
-use crate::recover::types::{Sample, Trial, choose};
+use crate::recover::types::{SAMPLES, Sample, Trial, choose};
 use crate::recover::{Effort, Evidence, Recovery, recover};
 use crate::report::Moment;
 use crate::unknown::{TYPES, Unknown, Wishes, retyped};
@@ -70,18 +70,29 @@ pub fn take<'a>(start: &str, target: &str, effort: Effort, arguments: &Arguments
         let (title, doubts) = (kept.title.clone(), kept.doubts.clone());
         return Ok(Taken { photo, title, doubts, asked, found: Some(kept.found()) });
     }
-    let sample = Sample::of(&photo.evidence(), &photo.evidence().pixels(first, photo.material())?);
+    let pixels = photo.evidence().pixels(first, photo.material())?;
     let effort = Effort { quick: true, ..effort };
-    let mut trials = Vec::new();
-    for unknown in &unknowns {
-        photo.take_for(unknown.clone())?;
-        let evidence = Evidence { mask: Some(&sample.mask), ..photo.evidence() };
-        let tell = |so_far: &str| console.progress(|| format!("{}: {so_far}", unknown.material().kind));
-        trials.push(Trial::new(unknown, recover(&evidence, unknown, photo.material(), effort, &tell)?));
+    let mut compare = |unknowns: &[Unknown], about: usize| {
+        let sample = Sample::of(&photo.evidence(), &pixels, about);
+        let mut trials = Vec::new();
+        for unknown in unknowns {
+            photo.take_for(unknown.clone())?;
+            let evidence = Evidence { mask: Some(&sample.mask), ..photo.evidence() };
+            let tell = |so_far: &str| console.progress(|| format!("{}: {so_far}", unknown.material().kind));
+            trials.push(Trial::new(unknown, recover(&evidence, unknown, photo.material(), effort, &tell)?));
+        }
+        Outcome::Ok(choose(&trials, &sample))
+    };
+    let [few, more] = SAMPLES;
+    let mut verdict = compare(&unknowns, few)?;
+    if !verdict.sure && pixels.len() > few {
+        let (out, left): (Vec<_>, Vec<_>) = verdict.standings.into_iter().partition(|(_, standing)| standing.is_out());
+        unknowns.retain(|unknown| left.iter().any(|(kind, _)| *kind == unknown.material().kind));
+        verdict = compare(&unknowns, more)?;
+        verdict.standings.extend(out);
     }
-    let verdict = choose(&trials, &sample);
     photo.take_for(unknowns.swap_remove(verdict.chosen))?;
-    Ok(Taken { photo, title: vec![verdict.title(&trials)], doubts: verdict.doubts(&trials), asked, found: None })
+    Ok(Taken { photo, title: vec![verdict.title()], doubts: verdict.doubts(), asked, found: None })
 }
 
 /// What `--state` keeps of what is asked.

@@ -80,6 +80,10 @@ const EACH: f64 = 64.0;
 const ASKED: usize = 10_000;
 const TELLING: usize = 2;
 
+/// Where there is only one round: samples in each half of it, and of each pixel at the least.
+const QUICK: f64 = 20_000.0;
+const QUICK_EACH: f64 = 32.0;
+
 /// Where time is limited: the part of the pixels of the first round that is always looked at, and that of the time left which tracing may take.
 const TRIED: f64 = 0.1;
 const TRACED: f64 = 0.8;
@@ -138,8 +142,9 @@ impl Look<'_> {
         let all = pixels.len() as f64;
         let (first, mut each) = match &foreseen {
             Some(first) => (first.pixels as f64, f64::from(first.samples)),
+            None if self.effort.quick => (all, (QUICK / all).clamp(QUICK_EACH, EACH).floor()),
             None => {
-                let first = if self.effort.quick { all } else { (FIRST / model.least()).floor().min(all) };
+                let first = (FIRST / model.least()).floor().min(all);
                 (first, (FIRST / first).min(EACH).floor())
             }
         };

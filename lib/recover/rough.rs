@@ -13,6 +13,7 @@ use crate::error::Result;
 use crate::scene::MaterialId;
 use crate::transport::{self, Alpha, Basis, ORDER, Pixels, Rough};
 use crate::unknown::Unknown;
+use rayon::prelude::*;
 use std::ops::Range;
 use std::time::Instant;
 
@@ -307,7 +308,14 @@ pub fn recover(sought: &Sought, effort: Effort, enough: &dyn Fn(&Recovery) -> bo
             let gram = Gram::new(&stage.trace_all(sheet.numbers, FIRST_SAMPLES, seeds.next()), &sheet.target, &sheet.relative);
             let found = search(&Problem { gram: &gram, coefficients: &|v| stage.coefficients(v), bounds: &bounds }, &stage, effort.seed)?;
             match unknown.parameters().iter().position(|p| p.name == "tspec") {
-                Some(slot) if !effort.late() => through(&Sought { pixels: sheet.numbers, ..*sought }, effort, slot, found, &mut seeds),
+                Some(slot) if !effort.late() => {
+                    let found = through(&Sought { pixels: sheet.numbers, ..*sought }, effort, slot, found, &mut seeds);
+                    // All pixels were looked at closely then.
+                    if effort.quick && sheet.numbers.len() == pixels.len() {
+                        return Ok(found);
+                    }
+                    found.values
+                }
                 _ => found,
             }
         }
@@ -347,7 +355,7 @@ pub fn recover(sought: &Sought, effort: Effort, enough: &dyn Fn(&Recovery) -> bo
 
 /// The better of what a look finds from some values, and from others with much more, or less, of the light that goes through at parameter `slot` seen
 /// sharply. Along sharp lobes through a body it is so noisy where all roughnesses are looked at that none of it seems to fit best.
-fn through(sought: &Sought, effort: Effort, slot: usize, values: Vec<f64>, seeds: &mut Seeds) -> Vec<f64> {
+fn through(sought: &Sought, effort: Effort, slot: usize, values: Vec<f64>, seeds: &mut Seeds) -> Recovery {
     let Sought { evidence, unknown, pixels, .. } = *sought;
     let bounds = unknown.bounds();
     let effort = Effort { quick: true, told: &|_| {}, ..effort };
@@ -357,7 +365,7 @@ fn through(sought: &Sought, effort: Effort, slot: usize, values: Vec<f64>, seeds
     other[slot] = if values[slot] < 0.5 * (low + high) { 0.25 * low + 0.75 * high } else { 0.75 * low + 0.25 * high };
     let [one, two] = [values, other].map(|values| look.at(&mut Stage::near(sought, &values), &values, seeds).found);
     let loss = |found: &Recovery| found.losses.iter().sum::<f64>();
-    if loss(&two) < loss(&one) { two.values } else { one.values }
+    if loss(&two) < loss(&one) { two } else { one }
 }
 
 /// The deepest valley: annealing inside the bounds, and descents from every roughness in case it was not found.
@@ -371,7 +379,7 @@ fn search(problem: &Problem, stage: &Stage, seed: u64) -> Result<Vec<f64>> {
     let axes: Vec<(usize, usize)> = stage.axes().collect();
     // Every roughness; of two, every other pair.
     let (count, stride) = if axes.len() == 2 { (stage.grid[0].len().pow(2) / 4, 2) } else { (stage.grid[0].len(), 1) };
-    for start in 0..count {
+    let descent = |start: usize| {
         let mut values: Vec<f64> = parameters.iter().map(|p| 0.5 * (p.low + p.high)).collect();
         let mut free = all.clone();
         let mut rest = start;
@@ -381,9 +389,10 @@ fn search(problem: &Problem, stage: &Stage, seed: u64) -> Result<Vec<f64>> {
             free[slot] = false;
             rest /= along;
         }
-        starts.push(problem.polish(&values, &free).values);
-    }
-    let found: Vec<Point> = starts.iter().map(|start| problem.polish(start, &all)).collect();
+        problem.polish(&values, &free).values
+    };
+    starts.par_extend((0..count).into_par_iter().map(descent));
+    let found: Vec<Point> = starts.par_iter().map(|start| problem.polish(start, &all)).collect();
     let Some(best) = found.iter().min_by(|a, b| a.chi2.total_cmp(&b.chi2)) else { return Ok(starts.swap_remove(0)) };
     // The truth then lies between valleys that are as deep: directions were drawn to both sides of it, and little is known between.
     let alike: Vec<&Point> = found.iter().filter(|point| point.chi2 <= ALIKE * best.chi2).collect();

@@ -14,9 +14,12 @@ const MISFIT: f64 = 3e-4;
 const BLOCK: usize = 8;
 /// A type is excluded when another is better by so many standard errors.
 const EXCLUDED: f64 = 2.0;
-/// Coefficients are the same when they differ by less than so many standard errors, taken between two limits.
+/// By so many it surely is, however few pixels say so.
+const SURE: f64 = 5.0;
+/// Coefficients are the same when they differ by less than so many standard errors, taken between two limits; surely so below another one.
 const SAME: f64 = 3.0;
 const SAME_WITHIN: (f64, f64) = (0.003, 0.05);
+const SURELY_WITHIN: f64 = 0.01;
 
 /// The picture recovered as one type.
 pub struct Trial {
@@ -45,8 +48,10 @@ pub enum Standing {
 pub struct Verdict {
     /// The place of the chosen type among the trials.
     pub chosen: usize,
-    /// The standing of each trial; the chosen one is the same as itself.
-    pub standings: Vec<Standing>,
+    /// Each type that was tried, and its standing; the chosen one is the same as itself.
+    pub standings: Vec<(String, Standing)>,
+    /// Whether more pixels would hardly say otherwise.
+    pub sure: bool,
 }
 
 impl Trial {
@@ -81,10 +86,15 @@ impl Trial {
 
     /// Whether it reflects and transmits the same as another, as far as both are sure.
     fn same(&self, other: &Self) -> bool {
+        self.same_within(other, SAME_WITHIN.1)
+    }
+
+    /// The same, coefficients differing by no more than `most`.
+    fn same_within(&self, other: &Self, most: f64) -> bool {
         let (Some(mine), Some(others)) = (&self.lobes, &other.lobes) else { return false };
         let near = |(a, b): (&(f64, f64), &(f64, f64))| {
             let error = SAME * (a.1 + b.1).max(0.0).sqrt();
-            (a.0 - b.0).abs() < error.clamp(SAME_WITHIN.0, SAME_WITHIN.1)
+            (a.0 - b.0).abs() < error.clamp(SAME_WITHIN.0, most)
         };
         mine.iter().zip(others).all(near)
     }
@@ -98,8 +108,8 @@ fn lobes(kind: Kind, a: &[f64]) -> Vec<f64> {
     parts.into_iter().flatten().chain(std::iter::once(a[4].abs() * shows)).collect()
 }
 
-/// Pixels that suffice to tell types apart: whole blocks, evenly spread.
-const ENOUGH: usize = 2500;
+/// How many pixels are compared, in whole blocks, evenly spread: few tell most pictures' type, more are taken where they do not.
+pub const SAMPLES: [usize; 2] = [550, 2500];
 
 /// Which pixels are compared.
 pub struct Sample {
@@ -110,10 +120,10 @@ pub struct Sample {
 }
 
 impl Sample {
-    /// A sample of the pixels that show the unknown, as [`Evidence::pixels`] found them.
-    pub fn of(evidence: &Evidence, pixels: &[usize]) -> Self {
+    /// A sample of about so many of the pixels that show the unknown, as [`Evidence::pixels`] found them.
+    pub fn of(evidence: &Evidence, pixels: &[usize], about: usize) -> Self {
         let width = evidence.film.width;
-        let pixels = kept(pixels, width);
+        let pixels = kept(pixels, width, about);
         let mut mask = vec![0.0; width * evidence.film.height];
         pixels.iter().for_each(|&n| mask[n] = evidence.mask.map_or(1.0, |mask| mask[n]));
         Self { mask, blocks: pixels.iter().map(|&n| block(n, width)).collect() }
@@ -125,13 +135,13 @@ fn block(pixel: usize, width: usize) -> usize {
     pixel / width / BLOCK * width.div_ceil(BLOCK) + pixel % width / BLOCK
 }
 
-/// The pixels of some blocks, all if they are few.
-fn kept(pixels: &[usize], width: usize) -> Vec<usize> {
+/// The pixels of some blocks, about so many; all if they are few.
+fn kept(pixels: &[usize], width: usize, about: usize) -> Vec<usize> {
     let mut blocks: Vec<usize> = pixels.iter().map(|&n| block(n, width)).collect();
     blocks.sort_unstable();
     blocks.dedup();
     // Multiples of the golden ratio leave no pattern that the picture could have too.
-    let share = ENOUGH as f64 / pixels.len() as f64;
+    let share = about as f64 / pixels.len() as f64;
     let counts = |n: &usize| (blocks.binary_search(&block(*n, width)).unwrap_or(0) as f64 * 0.618_033_988_749_895).fract() < share;
     pixels.iter().copied().filter(counts).collect()
 }
@@ -160,7 +170,13 @@ pub fn choose(trials: &[Trial], sample: &Sample) -> Verdict {
             _ => Standing::Open,
         }
     };
-    Verdict { chosen, standings: (0..trials.len()).map(standing).collect() }
+    let standings: Vec<(String, Standing)> = (0..trials.len()).map(|i| (trials[i].kind.clone(), standing(i))).collect();
+    let surely = |i: usize| match standings[i].1 {
+        Standing::Same => i == chosen || trials[i].contains(&trials[chosen]) || trials[i].same_within(&trials[chosen], SURELY_WITHIN),
+        other => other.is_out(),
+    };
+    let sure = (0..trials.len()).all(surely);
+    Verdict { chosen, standings, sure }
 }
 
 /// By how many standard errors `a` is worse than `b`: the logarithm of the ratio of their likelihoods, by its own standard error. The scatter of
@@ -178,34 +194,40 @@ fn vuong(a: &Trial, b: &Trial, blocks: &[usize]) -> f64 {
     mean * blocks.len() as f64 / error.max(f64::MIN_POSITIVE)
 }
 
+impl Standing {
+    /// Whether it surely is another type.
+    pub fn is_out(&self) -> bool {
+        matches!(self, Self::Excluded(z) if *z >= SURE)
+    }
+}
+
 impl Verdict {
     /// What is to be said of it, on a line: `type plastic (as good: metal, the same reflectance); glass excluded by 12 standard errors`.
-    pub fn title(&self, trials: &[Trial]) -> String {
+    pub fn title(&self) -> String {
         let kinds = |standing: Standing, what: &str| -> Vec<String> {
-            let others = trials.iter().zip(&self.standings).enumerate().filter(|(i, (_, s))| *i != self.chosen && **s == standing);
-            others.map(|(_, (t, _))| format!("{}, {what}", t.kind)).collect()
+            let others = self.standings.iter().enumerate().filter(|(i, (_, s))| *i != self.chosen && *s == standing);
+            others.map(|(_, (kind, _))| format!("{kind}, {what}")).collect()
         };
         let good = [kinds(Standing::Same, "the same reflectance"), kinds(Standing::Open, "another reflectance")].concat();
-        let mut text = format!("type {}", trials[self.chosen].kind);
+        let mut text = format!("type {}", self.standings[self.chosen].0);
         if !good.is_empty() {
             text += &format!(" (as good: {})", good.join("; "));
         }
-        for (trial, standing) in trials.iter().zip(&self.standings) {
+        for (kind, standing) in &self.standings {
             if let Standing::Excluded(z) = standing {
-                text += &format!("; {} excluded by {z:.0} standard errors", trial.kind);
+                text += &format!("; {kind} excluded by {z:.0} standard errors");
             }
         }
         text
     }
 
     /// What there is to doubt.
-    pub fn doubts(&self, trials: &[Trial]) -> Vec<String> {
-        let open: Vec<&str> =
-            trials.iter().zip(&self.standings).filter(|(_, s)| **s == Standing::Open).map(|(t, _)| t.kind.as_str()).collect();
+    pub fn doubts(&self) -> Vec<String> {
+        let open: Vec<&str> = self.standings.iter().filter(|(_, s)| *s == Standing::Open).map(|(kind, _)| &**kind).collect();
         if open.is_empty() {
             return vec![];
         }
-        let chosen = &trials[self.chosen].kind;
+        let chosen = &self.standings[self.chosen].0;
         vec![format!("this picture does not tell {chosen} from {}: they fit as well, and {chosen} is the simplest", open.join(" and "))]
     }
 }
@@ -242,9 +264,9 @@ mod tests {
         )
     }
 
-    fn verdict(trials: &[Trial]) -> (String, Vec<String>) {
+    fn verdict(trials: &[Trial]) -> (String, Vec<String>, bool) {
         let verdict = choose(trials, &Sample { mask: vec![], blocks: (0..64).collect() });
-        (verdict.title(trials), verdict.doubts(trials))
+        (verdict.title(), verdict.doubts(), verdict.sure)
     }
 
     #[test]
@@ -256,21 +278,25 @@ mod tests {
             trial("trans m 0 0 7 .6 .6 .6 .1 .1 0 .5", 0.0101, 2.0),
             trial("glass m 0 0 3 .9 .9 .9", 1.0, 3.0),
         ];
-        let (title, doubts) = verdict(&trials);
+        let (title, doubts, sure) = verdict(&trials);
         let good = "type plastic (as good: metal, the same reflectance; trans, the same reflectance); glass excluded by ";
-        assert!(title.starts_with(good) && doubts.is_empty(), "{title} {doubts:?}");
+        assert!(title.starts_with(good) && doubts.is_empty() && sure, "{title} {doubts:?}");
+        // Not quite the same: more pixels may tell.
+        let (title, _, sure) =
+            verdict(&[trial("plastic m 0 0 5 .6 .6 .6 .1 .1", 0.010, 0.0), trial("metal m 0 0 5 .64 .64 .65 .16 .1", 0.0099, 1.0)]);
+        assert!(title.contains("metal") && !sure, "{title}");
     }
 
     #[test]
     fn types_that_say_different_things_as_well_are_doubted() {
         let plastic = || trial("plastic m 0 0 5 .6 .6 .6 .1 .1", 0.010, 0.0);
-        let (title, doubts) = verdict(&[plastic(), trial("metal m 0 0 5 .9 .5 .2 .8 .1", 0.0099, 1.0)]);
+        let (title, doubts, sure) = verdict(&[plastic(), trial("metal m 0 0 5 .9 .5 .2 .8 .1", 0.0099, 1.0)]);
         assert_eq!(title, "type metal (as good: plastic, another reflectance)");
-        assert!(doubts[0].contains("does not tell metal from plastic"));
-        let (title, doubts) = verdict(&[plastic(), trial("metal m 0 0 5 .9 .5 .2 .8 .1", 0.001, 1.0)]);
+        assert!(doubts[0].contains("does not tell metal from plastic") && !sure);
+        let (title, doubts, _) = verdict(&[plastic(), trial("metal m 0 0 5 .9 .5 .2 .8 .1", 0.001, 1.0)]);
         assert!(title.starts_with("type metal; plastic excluded by ") && doubts.is_empty(), "{title}");
         // The fewest numbers suffice.
-        let (title, _) = verdict(&[plastic(), trial("glass m 0 0 3 .9 .9 .9", 0.0101, 1.0)]);
+        let (title, ..) = verdict(&[plastic(), trial("glass m 0 0 3 .9 .9 .9", 0.0101, 1.0)]);
         assert_eq!(title, "type glass (as good: plastic, another reflectance)");
     }
 
@@ -278,8 +304,8 @@ mod tests {
     fn a_sample_is_whole_blocks_all_over() {
         let pixels: Vec<usize> = (0..200 * 200).collect();
         let block = |n: usize| (n % 200 / BLOCK, n / 200 / BLOCK);
-        let kept = kept(&pixels, 200);
-        assert!((kept.len() as f64 / ENOUGH as f64 - 1.0).abs() < 0.1, "{}", kept.len());
+        let kept = kept(&pixels, 200, 2500);
+        assert!((kept.len() as f64 / 2500.0 - 1.0).abs() < 0.1, "{}", kept.len());
         assert!((0..4).all(|q| kept.iter().any(|&n| (block(n).0 / 13, block(n).1 / 13) == (q % 2, q / 2))));
         assert!(kept.iter().all(|&n| kept.contains(&(n - n % 200 % BLOCK))));
     }
