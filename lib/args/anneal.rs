@@ -123,8 +123,8 @@ pub struct UnknownOptions {
     #[arg(long, value_name = "ID")]
     pub material: Option<String>,
 
-    /// Take the material for this type instead of the file's, or try all and keep the one that the picture supports best. What is said
-    /// of parameters that a type does not have is left out for it
+    /// Take the material for this type instead of the file's, or try all, which takes some seconds whatever --time says, and keep the one
+    /// that the picture supports best. What is said of parameters that a type does not have is left out for it
     #[arg(long = "type", value_name = "TYPE", value_parser = kinds())]
     pub kind: Option<String>,
 
