@@ -308,14 +308,7 @@ pub fn recover(sought: &Sought, effort: Effort, enough: &dyn Fn(&Recovery) -> bo
             let gram = Gram::new(&stage.trace_all(sheet.numbers, FIRST_SAMPLES, seeds.next()), &sheet.target, &sheet.relative);
             let found = search(&Problem { gram: &gram, coefficients: &|v| stage.coefficients(v), bounds: &bounds }, &stage, effort.seed)?;
             match unknown.parameters().iter().position(|p| p.name == "tspec") {
-                Some(slot) if !effort.late() => {
-                    let found = through(&Sought { pixels: sheet.numbers, ..*sought }, effort, slot, found, &mut seeds);
-                    // All pixels were looked at closely then.
-                    if effort.quick && sheet.numbers.len() == pixels.len() {
-                        return Ok(found);
-                    }
-                    found.values
-                }
+                Some(slot) if !effort.late() => through(&Sought { pixels: sheet.numbers, ..*sought }, effort, slot, found, &mut seeds),
                 _ => found,
             }
         }
@@ -355,7 +348,7 @@ pub fn recover(sought: &Sought, effort: Effort, enough: &dyn Fn(&Recovery) -> bo
 
 /// The better of what a look finds from some values, and from others with much more, or less, of the light that goes through at parameter `slot` seen
 /// sharply. Along sharp lobes through a body it is so noisy where all roughnesses are looked at that none of it seems to fit best.
-fn through(sought: &Sought, effort: Effort, slot: usize, values: Vec<f64>, seeds: &mut Seeds) -> Recovery {
+fn through(sought: &Sought, effort: Effort, slot: usize, values: Vec<f64>, seeds: &mut Seeds) -> Vec<f64> {
     let Sought { evidence, unknown, pixels, .. } = *sought;
     let bounds = unknown.bounds();
     let effort = Effort { quick: true, told: &|_| {}, ..effort };
@@ -365,7 +358,7 @@ fn through(sought: &Sought, effort: Effort, slot: usize, values: Vec<f64>, seeds
     other[slot] = if values[slot] < 0.5 * (low + high) { 0.25 * low + 0.75 * high } else { 0.75 * low + 0.25 * high };
     let [one, two] = [values, other].map(|values| look.at(&mut Stage::near(sought, &values), &values, seeds).found);
     let loss = |found: &Recovery| found.losses.iter().sum::<f64>();
-    if loss(&two) < loss(&one) { two } else { one }
+    if loss(&two) < loss(&one) { two.values } else { one.values }
 }
 
 /// The deepest valley: annealing inside the bounds, and descents from every roughness in case it was not found.

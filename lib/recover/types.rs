@@ -14,8 +14,9 @@ const MISFIT: f64 = 3e-4;
 const BLOCK: usize = 8;
 /// A type is excluded when another is better by so many standard errors.
 const EXCLUDED: f64 = 2.0;
-/// By so many it surely is, however few pixels say so.
+/// By so many it surely is, however few pixels say so; and by no more may one be worse that surely is not.
 const SURE: f64 = 5.0;
+const NEAR: f64 = 1.0;
 /// Coefficients are the same when they differ by less than so many standard errors, taken between two limits; surely so below another one.
 const SAME: f64 = 3.0;
 const SAME_WITHIN: (f64, f64) = (0.003, 0.05);
@@ -109,7 +110,7 @@ fn lobes(kind: Kind, a: &[f64]) -> Vec<f64> {
 }
 
 /// How many pixels are compared, in whole blocks, evenly spread: few tell most pictures' type, more are taken where they do not.
-pub const SAMPLES: [usize; 2] = [550, 2500];
+pub const SAMPLES: [usize; 2] = [600, 2500];
 
 /// Which pixels are compared.
 pub struct Sample {
@@ -171,8 +172,10 @@ pub fn choose(trials: &[Trial], sample: &Sample) -> Verdict {
         }
     };
     let standings: Vec<(String, Standing)> = (0..trials.len()).map(|i| (trials[i].kind.clone(), standing(i))).collect();
+    let near = distance(chosen, best) < NEAR;
     let surely = |i: usize| match standings[i].1 {
-        Standing::Same => i == chosen || trials[i].contains(&trials[chosen]) || trials[i].same_within(&trials[chosen], SURELY_WITHIN),
+        Standing::Same if trials[i].same_within(&trials[chosen], SURELY_WITHIN) => true,
+        Standing::Same => i == chosen || trials[i].contains(&trials[chosen]) && near,
         other => other.is_out(),
     };
     let sure = (0..trials.len()).all(surely);
