@@ -174,8 +174,10 @@ pub fn choose(trials: &[Trial], sample: &Sample) -> Verdict {
     let standings: Vec<(String, Standing)> = (0..trials.len()).map(|i| (trials[i].kind.clone(), standing(i))).collect();
     let near = distance(chosen, best) < NEAR;
     let surely = |i: usize| match standings[i].1 {
-        Standing::Same if trials[i].same_within(&trials[chosen], SURELY_WITHIN) => true,
-        Standing::Same => i == chosen || trials[i].contains(&trials[chosen]) && near,
+        Standing::Same => {
+            let (one, other) = (&trials[i], &trials[chosen]);
+            i == chosen || one.same_within(other, SURELY_WITHIN) || one.contains(other) && near
+        }
         other => other.is_out(),
     };
     let sure = (0..trials.len()).all(surely);
