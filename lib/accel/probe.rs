@@ -170,21 +170,23 @@ impl<'a> Probe<'a> {
         let w = b[0] * a[1] - b[1] * a[0];
         let low = u.fast_min(v).fast_min(w);
         let high = u.fast_max(v).fast_max(w);
-        let inside = low.simd_ge(f32x8::ZERO) | high.simd_le(f32x8::ZERO);
-        if inside.to_bitmask() == 0 {
-            return Lanes { mask: 0, t: [0.0; 8], blur: [0.0; 8] };
-        }
+        let (positive, negative) = (low.simd_ge(f32x8::ZERO), high.simd_le(f32x8::ZERO));
         let area = u + v + w;
         let depth = u * a[2] + v * b[2] + w * c[2];
         let t = depth * shear[2] / area;
+        let reached = (positive | negative) & t.simd_ge(f32x8::ZERO) & t.simd_le(f32x8::splat(limit));
+        // Where all three vanish, single precision cannot tell: products of two singles are exact in double precision.
+        let flat = positive & negative;
+        // One branch, most often the same way: blocks are passed by more often than not, but half of them between corners.
+        if (reached | flat).to_bitmask() == 0 {
+            return Lanes { mask: 0, t: [0.0; 8], blur: [0.0; 8] };
+        }
         // Moving the corners by ERROR changes each weight by ERROR times the triangle's width, relative to its area, and with it the
         // point of the triangle's depth that they pick, at most by all of that.
         let error = (t + f32x8::splat(0.25)) * f32x8::splat(ERROR);
         let range = (a[2].fast_max(b[2]).fast_max(c[2]) - a[2].fast_min(b[2]).fast_min(c[2])) * shear[2].abs();
         let blur = error + (error * f32x8::splat(block.width) * range / area.abs()).fast_min(range);
-        let reached = inside & t.simd_ge(f32x8::ZERO) & t.simd_le(f32x8::splat(limit));
-        // Where all three vanish, single precision cannot tell: products of two singles are exact in double precision.
-        let flat = (low.simd_ge(f32x8::ZERO) & high.simd_le(f32x8::ZERO)).to_bitmask();
+        let flat = flat.to_bitmask();
         if flat != 0 {
             return self.test_exactly(flat, &[a, b, c].map(|p| p.map(|x| x.to_array())), limit, [t, blur], reached.to_bitmask());
         }
