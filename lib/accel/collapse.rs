@@ -74,6 +74,8 @@ pub(super) fn collapse(binary: &Binary, primitives: &[(u32, u32)], corners: impl
     while let Some((i, slot)) = todo.pop() {
         children.clear();
         gather(binary, &plans, i, &mut children);
+        // Large ones first: where any hit will do, these are the likeliest to have one.
+        children.sort_by(|&a, &b| half_area(&binary.boxes[b]).total_cmp(&half_area(&binary.boxes[a])));
         nodes[slot].bounds = std::array::from_fn(|row| {
             let side = |child: &usize| match (&binary.boxes[*child], row / 2) {
                 (b, axis) if row % 2 == 0 => b.min[axis] - MARGIN,

@@ -164,9 +164,11 @@ impl Tree {
                 if !ORDERED {
                     let mut more = first_of;
                     while more != 0 {
-                        stack[top % STACK] = u64::from(node.child[(more.trailing_zeros() & 7) as usize]);
+                        // The last first: it is visited last.
+                        let lane = more.ilog2() & 7;
+                        stack[top % STACK] = u64::from(node.child[lane as usize]);
                         top += 1;
-                        more = rest(more);
+                        more ^= 1 << lane;
                     }
                     top -= 1;
                     current = stack[top % STACK] as u32;
