@@ -2,6 +2,10 @@
 //!
 //! The radiance itself is exact (a pattern on a source); only the density with which directions are drawn is tabulated.
 
+mod spots;
+
+pub use spots::{CELL, Cap, Spot, spots};
+
 use crate::color::{Rgb, bright};
 use crate::panorama::Place;
 use crate::sampling::Steps;

@@ -6,6 +6,7 @@
 mod build;
 mod clip;
 mod field;
+mod globes;
 mod layers;
 mod open;
 

@@ -147,6 +147,44 @@ fn equal_probes_are_one_environment() {
     }
 }
 
+/// Environments of radiance 1, measured at these places, in which a sphere of radius .2 and radiance 50 is seen from all but the last `blind`.
+fn room(lamp: [f64; 3], places: &[[f64; 3]], blind: usize) -> String {
+    let probe = |(i, place): (usize, &[f64; 3])| {
+        let to: Vec<f64> = (0..3).map(|k| lamp[k] - place[k]).collect();
+        let distance = to.iter().map(|v| v * v).sum::<f64>().sqrt();
+        let [x, y, z] = [to[0] / distance, to[1] / distance, to[2] / distance];
+        let rim = if i + blind < places.len() { (1.0 - (0.2 / distance).powi(2)).sqrt() } else { 2.0 };
+        format!(
+            "void brightfunc p{i} 2 if(Dx*{x}+Dy*{y}+Dz*{z}-{rim},50,1) . 0 0 p{i} glow g{i} 0 0 4 1 1 1 0\n#@probe {} {} {} g{i}\n",
+            place[0], place[1], place[2]
+        )
+    };
+    places.iter().enumerate().map(probe).collect()
+}
+
+#[test]
+fn a_lamp_that_all_probes_see_stands_where_their_lines_of_sight_meet() {
+    let (lamp, at) = ([1.0, 0.5, 3.0], [0.0, 1.0, 2.5, -1.5]);
+    let places = [[0.0, 0.0, 0.2], [0.6, -0.3, 0.3], [0.3, 0.4, 0.6]];
+    let scene = format!("{}{}", room(lamp, &places, 0), floors(&at));
+    // Irradiance over π of a sphere above a floor is its radiance times sin² of its angle times the cosine toward it.
+    for (x, found) in at.iter().zip(radiances(&scene, &["--spp", "4000", "-ab", "1"], &down(&at))) {
+        let square = (x - lamp[0]).powi(2) + lamp[1].powi(2) + lamp[2].powi(2);
+        close(found[0], 0.5 * (1.0 + 49.0 * 0.04 / square * lamp[2] / square.sqrt()), 0.01);
+    }
+    // It is seen from beside and from a probe; and where a probe saw it, but from elsewhere, is what surrounds it.
+    let words = |v: [f64; 3]| v.map(|x| x.to_string()).join(" ");
+    let away = words(std::array::from_fn(|k| lamp[k] - places[0][k]));
+    let rays = format!("2 .5 3 -1 0 0\n{} {away}\n3 3 .2 {away}\n", words(places[0]));
+    let seen = |scene: &str, field: &str| radiances(scene, &["--field", field], &rays).iter().map(|v| v[0].round()).collect::<Vec<_>>();
+    assert_eq!(seen(&scene, "blend"), [50.0, 50.0, 1.0]);
+    // What one of three does not see may have something before it; where but two look, lines may meet by chance.
+    for room in [room(lamp, &places, 1), room(lamp, &places[..2], 0)] {
+        assert_eq!(seen(&room, "blend")[..2], [1.0, 50.0]);
+    }
+    assert_eq!(seen(&scene, "nearest")[..2], [1.0, 50.0]);
+}
+
 #[test]
 fn lamps_shine_beside_the_field_and_glows_below_it_do_not() {
     let others = "void light l 0 0 3 7 7 7\nl source sun 0 0 4 0 0 1 5\nvoid glow g 0 0 4 9 9 9 0\ng source ground 0 0 4 0 0 -1 180\n";

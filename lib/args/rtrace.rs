@@ -303,7 +303,8 @@ pub struct Light {
     #[arg(long = "me", value_names = ["R", "G", "B"], num_args = 3)]
     pub me: Option<Vec<f64>>,
 
-    /// What lights a point where environments were measured at several places (#@probe) [default: blend, of the two nearest by 1/distance²]
+    /// What lights a point where environments were measured at several places (#@probe) [default: blend, of the two nearest by 1/distance²,
+    /// but small round lamps that all of three or more see stand where their lines of sight meet]
     #[arg(long, value_name = "nearest|blend", value_parser = ["nearest", "blend"])]
     pub field: Option<String>,
 

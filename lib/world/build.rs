@@ -1,16 +1,17 @@
 //! Scene → World: surfaces into the hierarchy, lights into the list of lamps, mirrors into more lamps.
 
 use super::field::Probes;
+use super::globes::Globe;
 use super::{Body, Source, Surface, World};
 use crate::accel::{self, Accel, Geometry, Rank};
 use crate::color::bright;
 use crate::environment::Environment;
 use crate::error::{Error, Result};
-use crate::geometry::{Facing, LightShape, Plane, TINY, tolerance};
+use crate::geometry::{Facing, LightShape, Plane, Shape, Sphere, TINY, tolerance};
 use crate::light::{self, Lamp, Relay};
 use crate::material::Material;
 use crate::rules::Rules;
-use crate::scene::{self, Chain, ChainId, Distant, End, Form, Link, Scene};
+use crate::scene::{self, Chain, ChainId, Distant, End, Form, Link, Named, Scene};
 use crate::vector::Vec3;
 use std::collections::HashMap;
 use std::f64::consts::PI;
@@ -37,7 +38,7 @@ struct Mirror {
 impl World {
     /// The world of a scene. Surfaces without a material are not there; `rules` say whether backs are.
     pub fn new(scene: Scene, rules: &Rules) -> Result<Self> {
-        let Scene { surfaces, sources, chains, materials, probes, .. } = scene;
+        let Scene { mut surfaces, sources, chains, materials, probes, .. } = scene;
         let mut world = Self {
             accel: Accel::build(Vec::new())?,
             surfaces: Vec::new(),
@@ -55,6 +56,10 @@ impl World {
             tolerance: TINY,
             unknown: None,
         };
+        if let Some((field, lamps)) = Probes::new(&world, &probes, rules.field, ENVIRONMENT_ROWS) {
+            world.probes = Some(field);
+            surfaces.extend(lamps.iter().filter_map(|lamp| world.globe(lamp, probes[0].1)));
+        }
         if let Some((included, names)) = &rules.gathering {
             world.gathers = world.chains.iter().map(|chain| names.contains(&chain.name) == *included).collect();
         }
@@ -98,7 +103,6 @@ impl World {
             world.tolerance = tolerance(bounds.size());
         }
         let middle = world.middle();
-        world.probes = Probes::new(&world, &probes, rules.field, ENVIRONMENT_ROWS);
         if world.probes.is_some() {
             world.make_room(probes[0].1);
         } else if let Some(glow) = world.sources.iter().find(|s| s.lamp.is_none())
@@ -108,6 +112,17 @@ impl World {
             world.environment = Environment::new(ENVIRONMENT_ROWS, |d| world.glow(middle, d));
         }
         Ok(world)
+    }
+
+    /// A lamp that a field shows, as a surface; `glow` is a part of that field.
+    fn globe(&mut self, globe: &Globe, glow: ChainId) -> Option<scene::Surface> {
+        let Chain { name, end: End::Material(glow), .. } = &self.chains[glow] else { return None };
+        let (name, place) = (name.clone(), self.materials[*glow].place.clone());
+        let (material, orientation, alternate, removes) = (Material::Light(globe.radiance), None, None, Vec::new());
+        self.materials.push(Named { name: name.clone(), place: place.clone(), material, orientation, alternate, removes });
+        self.chains.push(Chain { name: name.clone(), end: End::Material(self.materials.len() - 1), ..Chain::default() });
+        let form = Form::Shape(Shape::Sphere(Sphere { center: globe.center, radius: globe.radius, inward: false }));
+        Some(scene::Surface { name: name.clone(), modifier: name, place, form, chains: vec![self.chains.len() - 1] })
     }
 
     /// A surface, for the hierarchy and for what is hit; `None` if nothing of it is visible. The modifier of an instance around it, if there

@@ -2,10 +2,12 @@
 //!
 //! Each probe is a whole environment, measured at a place. A point is lit by the nearest one, or by its two nearest ones in proportion to
 //! 1/distance². Directions are drawn from the tables of the same probes with the same weights, so that a field costs what one environment does.
+//! Lamps that are seen to stand in the room are no part of a blended field ([`super::globes`]).
 
+use super::globes::{Globe, globes};
 use super::{Emission, World};
 use crate::color::Rgb;
-use crate::environment::Environment;
+use crate::environment::{Cap, Environment, spots};
 use crate::panorama::{Panorama, Place};
 use crate::rules::Field;
 use crate::scene::ChainId;
@@ -14,8 +16,8 @@ use crate::vector::Vec3;
 /// The measured environments.
 pub(super) struct Probes {
     probes: Vec<Probe>,
-    /// The glows that probes name, each with the first place that names it.
-    glows: Vec<(Vec3, ChainId)>,
+    /// The glows that probes name.
+    glows: Vec<Glow>,
     /// The density with which directions are drawn, for each of them.
     tables: Vec<Option<Environment>>,
     field: Field,
@@ -24,9 +26,17 @@ pub(super) struct Probes {
 /// An environment at its place.
 struct Probe {
     place: Vec3,
-    chain: ChainId,
     /// The place of its glow among all.
     table: usize,
+}
+
+/// What a probe names.
+struct Glow {
+    /// The first place that names it.
+    place: Vec3,
+    chain: ChainId,
+    /// Where lamps are taken out of it.
+    caps: Vec<Cap>,
 }
 
 /// A probe and its share in the light at a point.
@@ -40,32 +50,50 @@ fn shared(rows: usize, count: usize) -> usize {
     ((rows as f64 / (count.max(1) as f64).sqrt()) as usize).max(FEWEST_ROWS)
 }
 
-/// The radiance of a glow, seen from its place.
-fn shine(world: &World, &(place, chain): &(Vec3, ChainId), direction: Vec3) -> Rgb {
-    world.emitted(chain, None, place, direction).map_or(Rgb::ZERO, |emission| emission.radiance)
+impl Glow {
+    /// What shines on a point from a direction.
+    fn emission(&self, world: &World, point: Vec3, direction: Vec3) -> Option<Emission> {
+        let emission = world.emitted(self.chain, None, point, direction)?;
+        let instead = self.caps.iter().find_map(|cap| cap.radiance(direction));
+        Some(Emission { radiance: instead.unwrap_or(emission.radiance), ..emission })
+    }
+
+    /// The radiance seen from its place.
+    fn radiance(&self, world: &World, direction: Vec3) -> Rgb {
+        self.emission(world, self.place, direction).map_or(Rgb::ZERO, |emission| emission.radiance)
+    }
 }
 
 impl Probes {
-    /// The probes of a world, with tables that have together as many cells as one of `rows` rows; `None` if there are none.
-    pub(super) fn new(world: &World, places: &[(Vec3, ChainId)], field: Field, rows: usize) -> Option<Self> {
-        let mut glows: Vec<(Vec3, ChainId)> = Vec::new();
+    /// The probes of a world, with tables that have together as many cells as one of `rows` rows, and the lamps that are no part of them;
+    /// `None` if there are none.
+    pub(super) fn new(world: &World, places: &[(Vec3, ChainId)], field: Field, rows: usize) -> Option<(Self, Vec<Globe>)> {
+        let mut glows: Vec<Glow> = Vec::new();
         let mut probes = Vec::new();
         for &(place, chain) in places {
-            let table = glows.iter().position(|g| g.1 == chain).unwrap_or(glows.len());
+            let table = glows.iter().position(|g| g.chain == chain).unwrap_or(glows.len());
             if table == glows.len() {
-                glows.push((place, chain));
+                glows.push(Glow { place, chain, caps: Vec::new() });
             }
-            probes.push(Probe { place, chain, table });
+            probes.push(Probe { place, table });
+        }
+        let mut lamps = Vec::new();
+        if field == Field::Blend {
+            let seen: Vec<_> = glows.iter().map(|glow| spots(|direction| glow.radiance(world, direction))).collect();
+            lamps = globes(&glows.iter().map(|glow| glow.place).collect::<Vec<_>>(), &seen);
+            for (i, glow) in glows.iter_mut().enumerate() {
+                glow.caps = lamps.iter().map(|lamp| lamp.spots[i].cap(|direction| glow.radiance(world, direction))).collect();
+            }
         }
         let rows = shared(rows, glows.len());
-        let tables = glows.iter().map(|glow| Environment::new(rows, |direction| shine(world, glow, direction))).collect();
-        (!probes.is_empty()).then_some(Self { probes, glows, tables, field })
+        let tables = glows.iter().map(|glow| Environment::new(rows, |direction| glow.radiance(world, direction))).collect();
+        (!probes.is_empty()).then_some((Self { probes, glows, tables, field }, lamps))
     }
 
     /// The panoramas of the glows, with as many cells together as one of `rows` rows.
     pub(super) fn panoramas(&self, world: &World, rows: usize) -> Vec<Panorama> {
         let rows = shared(rows, self.glows.len());
-        self.glows.iter().map(|glow| Panorama::new(rows, |direction| shine(world, glow, direction))).collect()
+        self.glows.iter().map(|glow| Panorama::new(rows, |direction| glow.radiance(world, direction))).collect()
     }
 
     /// The mean of a number of each environment of a point, given by the place of its glow.
@@ -99,9 +127,9 @@ impl Probes {
     /// What shines on a point from a direction.
     pub(super) fn emission(&self, world: &World, point: Vec3, direction: Vec3) -> Option<Emission> {
         let ((probe, share), other) = self.near(point);
-        let emitted = |probe: &Probe| world.emitted(probe.chain, None, point, direction);
+        let emitted = |probe: &Probe| self.glows[probe.table].emission(world, point, direction);
         let first = emitted(probe)?;
-        let Some((other, rest)) = other.filter(|o| o.0.chain != probe.chain) else { return Some(first) };
+        let Some((other, rest)) = other.filter(|o| o.0.table != probe.table) else { return Some(first) };
         Some(Emission { radiance: first.radiance * share + emitted(other)?.radiance * rest, ..first })
     }
 
