@@ -13,6 +13,7 @@ pub use teller::{Teller, lengths};
 use crate::error::{Error, Result};
 use crate::geometry::Ray;
 use crate::vector::Vec3;
+use std::fmt::Display;
 use std::io::{BufRead, ErrorKind};
 
 /// How numbers are written.
@@ -172,14 +173,20 @@ impl<R: BufRead> Reader<R> {
             *value = match self.number()? {
                 Some(value) => value,
                 None if i == 0 => return Ok(None),
-                None => return Err(Error::new(format!("{}: the input ends after {i} of its 6 numbers", self.place()))),
+                None => return Err(self.wrong(format!("the input ends after {i} of its 6 numbers"))),
             };
         }
         Ok(Some(ray))
     }
 
-    fn place(&self) -> String {
-        format!("<stdin>: ray {}", self.rays + 1)
+    /// What is wrong with the next ray.
+    fn wrong(&self, what: impl Display) -> Error {
+        let form = match self.form {
+            Form::Ascii => "words of text (-fa)",
+            Form::Double => "doubles of this machine (-fd)",
+            _ => "floats of this machine (-ff)",
+        };
+        Error::new(format!("<stdin>: ray {}: {what}; a ray is an origin and a direction, six {form}", self.rays + 1))
     }
 
     fn number(&mut self) -> Result<Option<f64>> {
@@ -187,7 +194,7 @@ impl<R: BufRead> Reader<R> {
             Form::Ascii => match self.word()? {
                 Some(word) => match word.parse::<f64>() {
                     Ok(value) if value.is_finite() => Ok(Some(value)),
-                    _ => Err(Error::new(format!("{}: `{word}` is not a number", self.place()))),
+                    _ => Err(self.wrong(format!("`{word}` is not a number"))),
                 },
                 None => Ok(None),
             },
@@ -198,7 +205,7 @@ impl<R: BufRead> Reader<R> {
 
     /// A number that a ray can have.
     fn finite(&self, value: f64) -> Result<f64> {
-        if value.is_finite() { Ok(value) } else { Err(Error::new(format!("{}: {value} is not a finite number", self.place()))) }
+        if value.is_finite() { Ok(value) } else { Err(self.wrong(format!("{value} is not a finite number"))) }
     }
 
     /// The next word of a text.
@@ -212,7 +219,7 @@ impl<R: BufRead> Reader<R> {
                     }
                 }
                 b if word.len() < LONGEST_WORD => word.push(b as char),
-                _ => return Err(Error::new(format!("{}: `{word}…` is too long for a number", self.place()))),
+                _ => return Err(self.wrong(format!("`{word}…` is too long for a number"))),
             }
         }
         Ok(if word.is_empty() { None } else { Some(word) })
@@ -239,7 +246,7 @@ impl<R: BufRead> Reader<R> {
                     return Ok(byte);
                 }
                 Err(e) if e.kind() == ErrorKind::Interrupted => {}
-                Err(e) => return Err(Error::new(format!("{}: {e}", self.place()))),
+                Err(e) => return Err(Error::new(format!("<stdin>: {e}"))),
             }
         }
     }
@@ -302,7 +309,7 @@ mod tests {
     fn what_is_no_ray_is_an_error_with_its_number() {
         for (text, wanted) in [
             ("0 0 0 0 0 1 2 3", "<stdin>: ray 2: the input ends after 2 of its 6 numbers"),
-            ("0 0 x", "<stdin>: ray 1: `x` is not a number"),
+            ("0 0 x", "<stdin>: ray 1: `x` is not a number; a ray is an origin and a direction, six words of text (-fa)"),
             ("nan", "`nan` is not a number"),
         ] {
             let error = read(Reader::new(text.as_bytes(), Form::Ascii)).unwrap_err();
