@@ -82,12 +82,11 @@ impl<'a> Probe<'a> {
         let start = if inside { t_min } else { enter(space, o, inverse, [t_min, t_max])? } - space.lead;
         let exact_origin = (d.mul_add(f64x4::splat(start), o) - four(space.center, 0.0)) * f64x4::splat(space.scale);
         let single = |v: f64x4| f32x4::new(v.to_array().map(|x| x as f32));
-        let (origin, inverse_single) = (single(exact_origin), single(inverse));
         // A ray that is no ray meets nothing.
-        let [x, y, z, _] = origin.to_array();
-        if (x + y + z).is_nan() {
+        if !exact_origin.simd_eq(exact_origin).all() {
             return None;
         }
+        let (origin, inverse_single) = (single(exact_origin), single(inverse));
         let [x, y, z, _] = d.abs().to_array();
         let axis = if z > x && z > y { 2 } else { usize::from(y > x) };
         let depth = inverse.to_array()[axis];
