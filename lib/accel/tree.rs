@@ -120,9 +120,9 @@ impl Tree {
         stack[0] = u64::from(root);
         let mut top = 1;
         let (inverse, shift) = (spread(probe.inverse), spread(probe.shift));
-        // The rows of bounds that the ray comes to first, and those opposite.
-        let near_rows = [probe.signs & 1, 2 | probe.signs >> 1 & 1, 4 | probe.signs >> 2 & 1];
-        let far_rows = near_rows.map(|row| row ^ 1);
+        // The rows of bounds that the ray comes to last, and those opposite.
+        let far_rows = [probe.signs & 1 ^ 1, 2 | probe.signs >> 1 & 1 ^ 1, 4 | probe.signs >> 2 & 1 ^ 1];
+        let near_rows = far_rows.map(|row| row ^ 1);
         let rest = |mask: u32| mask & mask.wrapping_sub(1);
         'next: loop {
             if top == 0 {
