@@ -293,6 +293,16 @@ mod tests {
     }
 
     #[test]
+    fn a_plastic_is_surely_no_trans_only_where_it_is_as_near() {
+        for (loss, surely) in [(0.0101, true), (0.0099, true), (0.0093, false)] {
+            let trans = trial("trans m 0 0 7 .7 .7 .7 .1 .1 .2 .5", loss, 1.0);
+            let (title, doubts, sure) = verdict(&[trial("plastic m 0 0 5 .6 .6 .6 .1 .1", 0.010, 0.0), trans]);
+            assert_eq!(title, "type plastic (as good: trans, the same reflectance)");
+            assert!(doubts.is_empty() && sure == surely, "{loss}: {sure}");
+        }
+    }
+
+    #[test]
     fn types_that_say_different_things_as_well_are_doubted() {
         let plastic = || trial("plastic m 0 0 5 .6 .6 .6 .1 .1", 0.010, 0.0);
         let (title, doubts, sure) = verdict(&[plastic(), trial("metal m 0 0 5 .9 .5 .2 .8 .1", 0.0099, 1.0)]);
