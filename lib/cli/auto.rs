@@ -19,6 +19,8 @@ pub struct Taken<'a> {
     pub title: Vec<String>,
     /// What there is to doubt about it.
     pub doubts: Vec<String>,
+    /// About where the values are, if types were compared.
+    pub around: Option<Vec<f64>>,
     /// What was asked.
     pub asked: Asked,
     /// What was found before, and how, where `--state` keeps it.
@@ -48,7 +50,7 @@ pub fn take<'a>(start: &str, target: &str, effort: Effort, arguments: &Arguments
         let photo = Photo::new(&Unknown::new(document, &wishes)?, Some(target), arguments, console)?;
         let asked = Asked::new(start, arguments, photo.read());
         let found = kept(&asked, arguments)?.map(Kept::found);
-        return Ok(Taken { photo, title: vec![], doubts: vec![], asked, found });
+        return Ok(Taken { photo, title: vec![], doubts: vec![], around: None, asked, found });
     }
     let (document, wishes) = read(start, arguments)?;
     // A type that what was wished leaves without anything unknown is left out.
@@ -68,7 +70,7 @@ pub fn take<'a>(start: &str, target: &str, effort: Effort, arguments: &Arguments
         let unknown = unknowns.into_iter().find(|u| u.material().kind == kept.kind);
         photo.take_for(unknown.ok_or_else(|| Error::new("--state keeps a recovery of another type"))?)?;
         let (title, doubts) = (kept.title.clone(), kept.doubts.clone());
-        return Ok(Taken { photo, title, doubts, asked, found: Some(kept.found()) });
+        return Ok(Taken { photo, title, doubts, around: None, asked, found: Some(kept.found()) });
     }
     let pixels = photo.evidence().pixels(first, photo.material())?;
     let effort = Effort { quick: true, ..effort };
@@ -81,18 +83,20 @@ pub fn take<'a>(start: &str, target: &str, effort: Effort, arguments: &Arguments
             let tell = |so_far: &str| console.progress(|| format!("{}: {so_far}", unknown.material().kind));
             trials.push(Trial::new(unknown, recover(&evidence, unknown, photo.material(), effort, &tell)?));
         }
-        Outcome::Ok(choose(&trials, &sample))
+        let verdict = choose(&trials, &sample);
+        let values = trials.swap_remove(verdict.chosen).recovery.values;
+        Outcome::Ok((verdict, values))
     };
     let [few, more] = SAMPLES;
-    let mut verdict = compare(&unknowns, few)?;
+    let (mut verdict, mut values) = compare(&unknowns, few)?;
     if !verdict.sure && pixels.len() > few {
         let (out, left): (Vec<_>, Vec<_>) = verdict.standings.into_iter().partition(|(_, standing)| standing.is_out());
         unknowns.retain(|unknown| left.iter().any(|(kind, _)| *kind == unknown.material().kind));
-        verdict = compare(&unknowns, more)?;
+        (verdict, values) = compare(&unknowns, more)?;
         verdict.standings.extend(out);
     }
     photo.take_for(unknowns.swap_remove(verdict.chosen))?;
-    Ok(Taken { photo, title: vec![verdict.title()], doubts: verdict.doubts(), asked, found: None })
+    Ok(Taken { photo, title: vec![verdict.title()], doubts: verdict.doubts(), around: Some(values), asked, found: None })
 }
 
 /// What `--state` keeps of what is asked.

@@ -83,11 +83,11 @@ fn look(start: &str, target: &str, arguments: &Arguments, console: &Console) -> 
     let (begin, stopped) = (Instant::now(), interrupted());
     let until = || if stopped() { Some(begin) } else { arguments.time().map(|time| begin + time) };
     let effort = Effort::new(options.seed, options.tolerance, &until);
-    let Taken { mut photo, mut title, mut doubts, asked, found } = take(start, target, effort, arguments, console)?;
+    let Taken { mut photo, mut title, mut doubts, around, asked, found } = take(start, target, effort, arguments, console)?;
     let unknown = &photo.unknown().clone();
     let (found, rounds) = found.unzip();
     let trail = Trail::new(unknown, rounds, arguments.search.log.as_deref())?;
-    let effort = Effort { told: &|found| trail.hear(found, console), ..effort };
+    let effort = Effort { around: around.as_deref(), told: &|found| trail.hear(found, console), ..effort };
     let (found, cut) = match found {
         Some(found) => (found, false),
         None => {
