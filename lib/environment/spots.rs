@@ -32,18 +32,24 @@ pub struct Spot {
     reach: f64,
 }
 
-/// A part of an environment in which something else shines.
-#[derive(Clone, Copy, Debug)]
+/// A part of an environment that a spot is taken out of: what surrounds it goes on there.
+#[derive(Clone, Debug)]
 pub struct Cap {
     direction: Vec3,
     cosine: f64,
-    radiance: Rgb,
+    /// Directions all around it, and what shines there.
+    ring: Vec<(Vec3, Rgb)>,
 }
 
 impl Cap {
-    /// What shines in a direction, if that is within.
+    /// What shines in a direction, if that is within: most of it what is near on the ring.
     pub fn radiance(&self, direction: Vec3) -> Option<Rgb> {
-        (self.direction.dot(direction) > self.cosine).then_some(self.radiance)
+        if self.direction.dot(direction) <= self.cosine {
+            return None;
+        }
+        let near = |ring: &(Vec3, Rgb)| direction.distance_squared(ring.0).max(f64::MIN_POSITIVE).recip();
+        let light: Rgb = self.ring.iter().map(|ring| ring.1 * near(ring)).sum();
+        Some(light / self.ring.iter().map(near).sum::<f64>())
     }
 }
 
@@ -106,21 +112,16 @@ impl Spot {
         (round && angle <= WIDEST).then_some(Self { direction: middle, radiance, angle, reach })
     }
 
-    /// The part of its environment, of this radiance, that it is taken out of: what surrounds it goes on there.
+    /// The part of its environment, of this radiance, that it is taken out of.
     pub fn cap(&self, radiance: impl Fn(Vec3) -> Rgb) -> Cap {
         const ROUND: usize = 32;
-        let (frame, (sin, cos)) = (Frame::around(self.direction), (1.2 * self.reach).sin_cos());
+        let (frame, (sin, cosine)) = (Frame::around(self.direction), (1.2 * self.reach).sin_cos());
         let around = |step: usize| {
             let (s, c) = (2.0 * PI * step as f64 / ROUND as f64).sin_cos();
-            radiance(frame.to_world(Vec3::new(c * sin, s * sin, cos)))
+            let direction = frame.to_world(Vec3::new(c * sin, s * sin, cosine));
+            (direction, radiance(direction))
         };
-        let ring: Vec<Rgb> = (0..ROUND).map(around).collect();
-        let median = |channel: usize| {
-            let mut values: Vec<f64> = ring.iter().map(|light| light[channel]).collect();
-            values.sort_by(f64::total_cmp);
-            values[ROUND / 2]
-        };
-        Cap { direction: self.direction, cosine: self.reach.cos(), radiance: Rgb::from([0, 1, 2].map(median)) }
+        Cap { direction: self.direction, cosine, ring: (0..ROUND).map(around).collect() }
     }
 }
 
