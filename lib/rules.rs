@@ -51,7 +51,7 @@ pub struct Rules {
 pub enum Field {
     /// The nearest.
     Nearest,
-    /// The two nearest, in proportion to 1/distance².
+    /// The two nearest, in proportion to 1/distance², but for lamps that all show: these stand in the room.
     Blend,
 }
 

@@ -79,8 +79,8 @@ impl Probes {
         }
         let mut lamps = Vec::new();
         if field == Field::Blend {
-            let seen: Vec<_> = glows.iter().map(|glow| spots(|direction| glow.radiance(world, direction))).collect();
-            lamps = globes(&glows.iter().map(|glow| glow.place).collect::<Vec<_>>(), &seen);
+            let places: Vec<Vec3> = glows.iter().map(|glow| glow.place).collect();
+            lamps = globes(&places, |i| spots(|direction| glows[i].radiance(world, direction)));
             for (i, glow) in glows.iter_mut().enumerate() {
                 glow.caps = lamps.iter().map(|lamp| lamp.spots[i].cap(|direction| glow.radiance(world, direction))).collect();
             }

@@ -31,14 +31,20 @@ pub(super) struct Globe {
     missed: f64,
 }
 
-/// The lamps that are seen from all these places, among these spots.
-pub(super) fn globes(places: &[Vec3], spots: &[Vec<Spot>]) -> Vec<Globe> {
+/// The lamps that are seen from all these places, among the spots that `seen` finds from each of them.
+pub(super) fn globes(places: &[Vec3], seen: impl Fn(usize) -> Vec<Spot>) -> Vec<Globe> {
+    if places.len() < FEWEST {
+        return Vec::new();
+    }
+    // What one does not see is not looked for from the others.
+    let spots = (0..places.len()).map(|i| Some(seen(i)).filter(|spots| !spots.is_empty()));
+    let Some(spots) = spots.collect::<Option<Vec<_>>>() else { return Vec::new() };
     let pairs = (0..places.len()).flat_map(|j| (0..j).map(move |i| [i, j]));
     // The two that are farthest apart tell best where lines meet.
     let apart = |&[i, j]: &[usize; 2]| places[i].distance(places[j]);
-    let Some([i, j]) = pairs.max_by(|a, b| apart(a).total_cmp(&apart(b))).filter(|_| places.len() >= FEWEST) else { return Vec::new() };
+    let Some([i, j]) = pairs.max_by(|a, b| apart(a).total_cmp(&apart(b))) else { return Vec::new() };
     let both = spots[i].iter().flat_map(|a| spots[j].iter().map(move |b| [(places[i], a.direction), (places[j], b.direction)]));
-    let mut found: Vec<Globe> = both.filter_map(|lines| Globe::near(meet(&lines)?, places, spots)).collect();
+    let mut found: Vec<Globe> = both.filter_map(|lines| Globe::near(meet(&lines)?, places, &spots)).collect();
     found.sort_by(|a, b| a.missed.total_cmp(&b.missed));
     // No spot is two lamps.
     let mut globes: Vec<Globe> = Vec::new();
