@@ -179,6 +179,10 @@ impl<R: BufRead> Reader<R> {
         Ok(Some(ray))
     }
 
+    fn place(&self) -> String {
+        format!("<stdin>: ray {}", self.rays + 1)
+    }
+
     /// What is wrong with the next ray.
     fn wrong(&self, what: impl Display) -> Error {
         let form = match self.form {
@@ -186,7 +190,7 @@ impl<R: BufRead> Reader<R> {
             Form::Double => "doubles of this machine (-fd)",
             _ => "floats of this machine (-ff)",
         };
-        Error::new(format!("<stdin>: ray {}: {what}; a ray is an origin and a direction, six {form}", self.rays + 1))
+        Error::new(format!("{}: {what}; a ray is an origin and a direction, six {form}", self.place()))
     }
 
     fn number(&mut self) -> Result<Option<f64>> {
@@ -246,7 +250,7 @@ impl<R: BufRead> Reader<R> {
                     return Ok(byte);
                 }
                 Err(e) if e.kind() == ErrorKind::Interrupted => {}
-                Err(e) => return Err(Error::new(format!("<stdin>: {e}"))),
+                Err(e) => return Err(Error::new(format!("{}: {e}", self.place()))),
             }
         }
     }
