@@ -167,16 +167,15 @@ impl<'a> Probe<'a> {
         let u = c[0] * b[1] - c[1] * b[0];
         let v = a[0] * c[1] - a[1] * c[0];
         let w = b[0] * a[1] - b[1] * a[0];
-        let low = u.fast_min(v).fast_min(w);
-        let high = u.fast_max(v).fast_max(w);
-        let (positive, negative) = (low.simd_ge(f32x8::ZERO), high.simd_le(f32x8::ZERO));
+        let positive = u.fast_min(v).fast_min(w).simd_ge(f32x8::ZERO);
+        let negative = u.fast_max(v).fast_max(w).simd_le(f32x8::ZERO);
         let area = u + v + w;
         let depth = u * a[2] + v * b[2] + w * c[2];
         let t = depth * shear[2] / area;
         let reached = (positive | negative) & t.simd_ge(f32x8::ZERO) & t.simd_le(f32x8::splat(limit));
         // Where all three vanish, single precision cannot tell: products of two singles are exact in double precision.
         let flat = positive & negative;
-        // One branch, most often the same way: blocks are passed by more often than not, but half of them between corners.
+        // One branch, which is foreseen: most blocks are not reached. That one is in line with a triangle, as half of them are, is not.
         if (reached | flat).to_bitmask() == 0 {
             return Lanes { mask: 0, t: [0.0; 8], blur: [0.0; 8] };
         }
