@@ -7,15 +7,20 @@
 mod binary;
 mod body;
 mod build;
+mod bundle;
 mod collapse;
 mod exact;
 mod probe;
+mod search;
 mod tree;
 
 use crate::geometry::{Bounds, LEVELS, Mesh, Ray, Shape};
 use crate::vector::{Affine, Vec3};
 use body::Body;
+use bundle::WIDTH;
 use probe::Probe;
+use search::Search;
+use std::cell::Cell;
 use std::sync::Arc;
 use tree::{LEAF, SINGLE, Space, Tree};
 
@@ -109,61 +114,37 @@ pub struct Hit {
     pub barycentric: [f64; 2],
 }
 
-/// The nearest candidate so far.
-struct Nearest {
-    /// Its distance, in the tree's units.
-    t: f32,
-    /// By how much that may be wrong.
-    blur: f32,
-    /// Which triangle (block · 8 + lane), or [`SINGLE`] and which other primitive; all ones for none.
-    slot: u32,
-    /// Whether another one is so near that it may be in front, or the same place.
-    tie: bool,
-    /// Distances that differ by less are one place.
-    tolerance: f32,
-}
-
-impl Nearest {
-    /// Takes a candidate nearer than the limit; the new limit.
-    #[inline(always)]
-    fn take(&mut self, t: f32, blur: f32, slot: u32) -> f32 {
-        let blur = blur + self.tolerance;
-        if t <= self.t + self.blur + blur {
-            self.tie = t >= self.t - self.blur - blur;
-            if t < self.t {
-                (self.t, self.slot) = (t, slot);
-            }
-            self.blur = if self.tie { self.blur.max(blur) } else { blur };
-        }
-        self.t + 2.0 * self.blur
-    }
-}
-
 impl Accel {
     /// The first surface met at a distance between `t_min` and `t_max` (both excluded). Of surfaces less than 1e-6 apart along the ray (in
     /// scenes of ordinary size) the one of greatest [`Rank`] is first.
     pub fn nearest(&self, ray: &Ray, t_min: f64, t_max: f64) -> Option<Hit> {
-        let probe = Probe::new(&self.space, ray, t_min, t_max)?;
-        let tolerance = (self.tolerance * self.space.scale) as f32;
-        let mut best = Nearest { t: f32::INFINITY, blur: 0.0, slot: u32::MAX, tie: false, tolerance };
-        let mut single = None;
-        self.tree.walk::<true>(&probe, probe.limit, |leaf, limit| {
-            if leaf & SINGLE != 0 {
-                return self.take_single(&probe, leaf, [t_min, t_max], limit, &mut best, &mut single);
+        let single = Cell::default();
+        let mut search = Search::new(self, ray, [t_min, t_max], &single)?;
+        search.run();
+        search.finish()
+    }
+
+    /// What [`Accel::nearest`] finds for each of some rays and ranges of distances, told in their order with their numbers: quicker where rays are
+    /// beside those before them, as are those of a picture.
+    pub fn nearest_each<'r>(&self, rays: impl IntoIterator<Item = (&'r Ray, [f64; 2])>, mut found: impl FnMut(usize, Option<Hit>)) {
+        let mut rays = rays.into_iter().fuse();
+        let singles = [const { Cell::new(None) }; WIDTH];
+        let mut searches = [const { None }; WIDTH];
+        for first in (0..).step_by(WIDTH) {
+            let mut count = 0;
+            for (search, single) in searches.iter_mut().zip(&singles) {
+                *search = rays.next().and_then(|(ray, range)| {
+                    count += 1;
+                    Search::new(self, ray, range, single)
+                });
             }
-            self.take_triangles(&probe, leaf & !LEAF, [t_min, t_max], limit, &mut best)
-        });
-        if best.slot == u32::MAX {
-            return None;
+            if count == 0 {
+                return;
+            }
+            bundle::run(&self.tree, &mut searches);
+            let hits = searches[..count].iter().map(|search| search.as_ref().and_then(Search::finish));
+            hits.enumerate().for_each(|(n, hit)| found(first + n, hit));
         }
-        if best.tie {
-            return self.settle(ray, t_min, t_max.min(probe.world(f64::from(best.t + 2.0 * best.blur))));
-        }
-        if best.slot & SINGLE != 0 {
-            return single;
-        }
-        let detail = &self.tree.details[self.tree.place(best.slot)];
-        Some(self.tree.meet(&probe, best.slot, best.t, best.blur).hit(&probe, detail, self.surfaces[detail.surface as usize].mirrored()))
     }
 
     /// Whether any surface is met at a distance between `t_min` and `t_max` (both excluded).
@@ -178,7 +159,7 @@ impl Accel {
                 let lanes = probe.test(&self.tree.blocks[number as usize], limit);
                 (0..8).filter(|lane| lanes.mask >> lane & 1 == 1).any(|lane| {
                     let (t, blur) = (lanes.t[lane], lanes.blur[lane]);
-                    probe.within(t, blur).unwrap_or_else(|| self.within(&probe, number << 3 | lane as u32, [t, blur], [t_min, t_max]))
+                    probe.within(t, blur).unwrap_or_else(|| self.tree.within(&probe, number << 3 | lane as u32, [t, blur], [t_min, t_max]))
                 })
             };
             if found { -1.0 } else { limit }
@@ -244,55 +225,6 @@ impl Accel {
     fn body(&self, leaf: u32) -> (u32, &Body) {
         let surface = self.tree.details[(leaf & (SINGLE - 1)) as usize].surface;
         (surface, &self.surfaces[surface as usize])
-    }
-
-    /// Takes the triangles of a block that are near enough; the new limit. On its own, so that registers are left for the walk.
-    #[inline(never)]
-    fn take_triangles(&self, probe: &Probe, number: u32, range: [f64; 2], mut limit: f32, best: &mut Nearest) -> f32 {
-        let mut lanes = probe.test(&self.tree.blocks[number as usize], limit);
-        while lanes.mask != 0 {
-            let lane = (lanes.mask.trailing_zeros() & 7) as usize;
-            lanes.mask &= lanes.mask - 1;
-            let (t, blur, slot) = (lanes.t[lane], lanes.blur[lane], number << 3 | lane as u32);
-            if t <= limit && probe.within(t, blur).unwrap_or_else(|| self.within(probe, slot, [t, blur], range)) {
-                limit = best.take(t, blur, slot);
-            }
-        }
-        limit
-    }
-
-    /// Takes the hit of a shape or instance, if it is near enough; the new limit.
-    #[inline(never)]
-    fn take_single(
-        &self,
-        probe: &Probe,
-        leaf: u32,
-        [t_min, t_max]: [f64; 2],
-        limit: f32,
-        best: &mut Nearest,
-        single: &mut Option<Hit>,
-    ) -> f32 {
-        let ray = probe.ray;
-        let (surface, body) = self.body(leaf);
-        let far = t_max.min(probe.world(f64::from(limit)));
-        let hit = match body {
-            Body::Shape(shape) => body::shape_hit(shape, ray, t_min, far, surface),
-            Body::Instance(instance) => instance.nearest(ray, t_min, far, surface),
-            Body::Mesh(_) => None,
-        };
-        let Some(t) = hit.as_ref().map(|hit| probe.local(hit.t)).filter(|&t| t <= limit) else { return limit };
-        let limit = best.take(t, f32::EPSILON * (1.0 + t), leaf & !LEAF);
-        if best.slot == leaf & !LEAF {
-            *single = hit;
-        }
-        limit
-    }
-
-    /// Whether a triangle's exact distance is in the range.
-    #[inline(never)]
-    fn within(&self, probe: &Probe, slot: u32, [near, blur]: [f32; 2], [t_min, t_max]: [f64; 2]) -> bool {
-        let t = probe.world(self.tree.meet(probe, slot, near, blur).t);
-        t > t_min && t < t_max
     }
 }
 

@@ -227,6 +227,20 @@ impl<'a, B: Clone> Integrator<'a, B> {
         self.run(transport)
     }
 
+    /// The same, where it is known what the ray meets first.
+    pub fn trace_on<T: Transport<Beta = B>>(
+        &mut self,
+        transport: &mut T,
+        ray: Ray,
+        limit: f64,
+        hit: Option<&Hit>,
+        sampler: Sampler,
+    ) -> Outcome {
+        let path = self.primary(ray, limit, sampler);
+        self.arrive(transport, &path, transport.start(), hit);
+        self.run(transport)
+    }
+
     /// One sample of the irradiance at a point on the side that `normal` points to.
     pub fn irradiance<T: Transport<Beta = B>>(&mut self, transport: &mut T, point: Vec3, normal: Vec3, sampler: Sampler) -> Outcome {
         let ray = Ray { origin: point, direction: -normal };
@@ -259,31 +273,35 @@ impl<'a, B: Clone> Integrator<'a, B> {
 
     /// Follows what is on the stack, and all it leads to.
     fn run<T: Transport<Beta = B>>(&mut self, transport: &mut T) -> Outcome {
-        while let Some(Segment { path, mut beta }) = self.stack.pop() {
+        while let Some(Segment { path, beta }) = self.stack.pop() {
             let hit = self.world.nearest(&path.ray, path.limit);
-            let Path { ray, limit, weight, kind, aim, .. } = &path;
-            let visit = Visit { ray, hit: hit.as_ref(), limit: *limit, weight: *weight, kind: *kind, shadow: aim.is_some() };
-            transport.visit(&mut beta, &visit);
-            match hit {
-                Some(hit) => {
-                    let clip = path.clip.map(|clip| self.clips[clip].clone());
-                    let coming = Coming {
-                        ray,
-                        travelled: path.travelled,
-                        aim: path.aim,
-                        primary: path.exact && path.level == 0 && path.scattered.is_none() && path.aim.is_none(),
-                        gathered: path.gathers(),
-                        ambient: path.bounces > 0 || path.aim == Some(Emitter::Environment),
-                        clip: clip.as_ref(),
-                    };
-                    self.outcome.surface |= path.travelled == 0.0;
-                    self.world.layers(&hit, &coming, self.rules, &mut |layer| self.meet(transport, &path, &beta, &hit, layer));
-                }
-                None if path.limit < f64::INFINITY => {}
-                None => self.escape(transport, &path, beta),
-            }
+            self.arrive(transport, &path, beta, hit.as_ref());
         }
         self.outcome
+    }
+
+    /// The end of a path's ray: what it hit, if anything.
+    fn arrive<T: Transport<Beta = B>>(&mut self, transport: &mut T, path: &Path, mut beta: B, hit: Option<&Hit>) {
+        let Path { ray, limit, weight, kind, aim, .. } = path;
+        transport.visit(&mut beta, &Visit { ray, hit, limit: *limit, weight: *weight, kind: *kind, shadow: aim.is_some() });
+        match hit {
+            Some(hit) => {
+                let clip = path.clip.map(|clip| self.clips[clip].clone());
+                let coming = Coming {
+                    ray,
+                    travelled: path.travelled,
+                    aim: path.aim,
+                    primary: path.exact && path.level == 0 && path.scattered.is_none() && path.aim.is_none(),
+                    gathered: path.gathers(),
+                    ambient: path.bounces > 0 || path.aim == Some(Emitter::Environment),
+                    clip: clip.as_ref(),
+                };
+                self.outcome.surface |= path.travelled == 0.0;
+                self.world.layers(hit, &coming, self.rules, &mut |layer| self.meet(transport, path, &beta, hit, layer));
+            }
+            None if path.limit < f64::INFINITY => {}
+            None => self.escape(transport, path, beta),
+        }
     }
 
     /// What lies behind everything.

@@ -217,8 +217,8 @@ type Wanted<'a> = &'a (dyn Fn(usize) -> [u32; SETS] + Sync);
 /// Steps of the grids of pixels that come before all the others.
 const COARSE: [usize; 3] = [8, 4, 2];
 
-/// After how many samples of a pixel it is asked whether time is over.
-const PATIENCE: u32 = 16;
+/// About how many samples are taken before it is asked whether time is over.
+const AT_ONCE: usize = 64;
 
 /// Pixels that a thread takes at a time.
 const CHUNK: usize = 64;
@@ -247,6 +247,16 @@ impl Blur {
     }
 }
 
+/// A sample to be taken.
+struct Sample {
+    /// Of which pixel of some.
+    i: usize,
+    /// Of which sequence.
+    set: usize,
+    /// Its ray, as far as it goes, and what is left of its random numbers; `None` outside the view.
+    sight: Option<((Ray, f64), Sampler)>,
+}
+
 impl Task<'_> {
     /// The ray of a sample, as far as it goes, and what is left of the random numbers; `None` outside the view.
     fn sight(&self, number: usize, mut sampler: Sampler) -> Option<((Ray, f64), Sampler)> {
@@ -265,40 +275,52 @@ impl Task<'_> {
 
     /// Takes samples of each pixel until it has as many as are wanted, or it is all over.
     fn round(&self, pixels: &mut [Pixel], wanted: Wanted, over: &(dyn Fn() -> bool + Sync)) {
-        pixels.par_chunks_mut(CHUNK).enumerate().with_max_len(1).filter(|_| !over()).for_each(|(chunk, pixels)| {
+        pixels.par_chunks_mut(CHUNK).enumerate().with_max_len(1).for_each(|(chunk, pixels)| {
             let mut integrator = Integrator::new(self.world, self.rules);
-            for (i, pixel) in pixels.iter_mut().enumerate().filter(|(_, p)| !p.exact) {
-                let number = chunk * CHUNK + i;
-                for (set, wanted) in wanted(number).into_iter().enumerate() {
-                    self.take(&mut integrator, number, pixel, set, wanted, over);
-                }
+            let mut samples = Vec::new();
+            while !over() && self.gather(chunk * CHUNK, pixels, wanted, &mut samples) {
+                self.take(&mut integrator, pixels, &mut samples);
             }
         });
     }
 
-    /// Takes samples of a sequence of a pixel.
-    fn take(
-        &self,
-        integrator: &mut Integrator<Rgb>,
-        number: usize,
-        pixel: &mut Pixel,
-        set: usize,
-        wanted: u32,
-        over: &(dyn Fn() -> bool + Sync),
-    ) {
-        while pixel.counts()[set] < wanted && !pixel.exact {
+    /// Gathers some samples that are wanted of pixels, whose numbers begin with `first`; whether there are any.
+    fn gather(&self, first: usize, pixels: &[Pixel], wanted: Wanted, samples: &mut Vec<Sample>) -> bool {
+        for (i, pixel) in pixels.iter().enumerate().filter(|(_, pixel)| !pixel.exact) {
+            let number = first + i;
+            let (counts, wanted) = (pixel.counts(), wanted(number));
+            // Where all its rays are the same, the first says whether a pixel needs others.
+            let most = if self.fixed() && pixel.samples() == 0 { 1 } else { AT_ONCE };
+            let missing = (0..SETS).flat_map(|set| (0..wanted[set].saturating_sub(counts[set])).map(move |n| (set, pixel.next(set) + n)));
+            samples.extend(missing.take(most).map(|(set, index)| Sample {
+                i,
+                set,
+                sight: self.sight(number, self.sampler(number, set, index)),
+            }));
+            if samples.len() >= AT_ONCE {
+                break;
+            }
+        }
+        !samples.is_empty()
+    }
+
+    /// Takes samples of pixels: the rays of all of them find together what they meet first.
+    fn take(&self, integrator: &mut Integrator<Rgb>, pixels: &mut [Pixel], samples: &mut Vec<Sample>) {
+        let mut hits = Vec::with_capacity(samples.len());
+        let sights = samples.iter().filter_map(|sample| sample.sight.as_ref());
+        self.world.nearest_each(sights.map(|((ray, limit), _)| (ray, *limit)), |_, hit| hits.push(hit));
+        let mut hits = hits.iter();
+        for Sample { i, set, sight } in samples.drain(..) {
+            let pixel = &mut pixels[i];
             let (mut light, mut random) = (Rgb::ZERO, false);
-            if let Some(((ray, limit), sampler)) = self.sight(number, self.sampler(number, set, pixel.next(set))) {
+            if let Some(((ray, limit), sampler)) = sight {
                 let mut transport = Radiance { rules: self.rules, sum: Rgb::ZERO };
-                let outcome = integrator.trace(&mut transport, ray, limit, sampler);
+                let outcome = integrator.trace_on(&mut transport, ray, limit, hits.next().and_then(Option::as_ref), sampler);
                 (light, random) = (transport.sum, outcome.random);
                 pixel.surface |= outcome.surface;
             }
             pixel.add(set, light);
             pixel.exact = !random && self.fixed();
-            if pixel.counts()[set].is_multiple_of(PATIENCE) && over() {
-                return;
-            }
         }
     }
 

@@ -235,18 +235,23 @@ fn follow<'c, T: Columns>(
         // The pixel so far, and the squares of what each sample added to it.
         let (mut sum, mut squares) = ([0.0; 3], [0.0; 3]);
         let n = piece.samples.len().max(1) as f64;
-        for index in piece.samples {
-            let mut sampler = Sampler::new(seed, piece.number as u64, piece.set, index);
-            let at = sampler.pair();
-            if let Some((origin, direction, limit)) = lens(piece.number, at) {
-                integrator.trace(&mut transport, Ray { origin, direction }, limit, sampler);
-            }
+        let sights: Vec<_> = piece
+            .samples
+            .filter_map(|index| {
+                let mut sampler = Sampler::new(seed, piece.number as u64, piece.set, index);
+                let (origin, direction, limit) = lens(piece.number, sampler.pair())?;
+                Some((Ray { origin, direction }, limit, sampler))
+            })
+            .collect();
+        world.nearest_each(sights.iter().map(|(ray, limit, _)| (ray, *limit)), |n, hit| {
+            let (ray, limit, sampler) = sights[n];
+            integrator.trace_on(&mut transport, ray, limit, hit.as_ref(), sampler);
             if let Some(mixture) = mixture {
                 let now = mixture.of(transport.columns());
                 (0..3).for_each(|c| squares[c] += (now[c] - sum[c]).powi(2));
                 sum = now;
             }
-        }
+        });
         *piece.variance = std::array::from_fn(|c| ((squares[c] - sum[c] * sum[c] / n) / (n - 1.0).max(1.0)).max(0.0) as f32);
         transport.columns().iter_mut().for_each(|v| *v /= n as f32);
     }

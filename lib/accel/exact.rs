@@ -63,6 +63,13 @@ impl Tree {
         let step = direction * further;
         Meeting { t: near + further, point: from + step, place: step - first, sides, normal }
     }
+
+    /// Whether the exact distance of a triangle, met at about the distance `near`, is in the range.
+    #[inline(never)]
+    pub fn within(&self, probe: &Probe, slot: u32, [near, blur]: [f32; 2], [t_min, t_max]: [f64; 2]) -> bool {
+        let t = probe.world(self.meet(probe, slot, near, blur).t);
+        t > t_min && t < t_max
+    }
 }
 
 impl Meeting {

@@ -36,6 +36,13 @@ fn enter(space: &Space, origin: f64x4, inverse: f64x4, [t_min, t_max]: [f64; 2])
     (start <= end + space.lead).then_some(start)
 }
 
+/// The other two axes, in the order that makes a right-handed system.
+#[inline(always)]
+pub(super) fn across(axis: usize) -> [usize; 2] {
+    let next = if axis == 2 { 0 } else { axis + 1 };
+    [next, 3 - axis - next]
+}
+
 /// A ray in the coordinates of a tree.
 #[derive(Clone, Debug)]
 pub(super) struct Probe<'a> {
@@ -44,7 +51,7 @@ pub(super) struct Probe<'a> {
     /// The coordinates it is in.
     space: &'a Space,
     /// Where it starts: at the near end of the range or, from outside the bounds, where it enters them, less [`LEAD`].
-    origin: f32x4,
+    pub origin: f32x4,
     /// The same, exactly.
     exact_origin: f64x4,
     /// One over the direction, finite.
@@ -62,12 +69,12 @@ pub(super) struct Probe<'a> {
     /// The distance on the world's ray that this one starts at.
     start: f64,
     /// The axis the direction is longest along.
-    axis: usize,
+    pub axis: usize,
     /// The direction, one long along that axis: the shear that makes the ray an axis (Woop et al. 2013, "Watertight Ray/Triangle
     /// Intersection").
-    shear: f32x4,
+    pub shear: f32x4,
     /// The distance at which it is one away along that axis.
-    depth: f32,
+    pub depth: f32,
 }
 
 impl<'a> Probe<'a> {
@@ -107,6 +114,12 @@ impl<'a> Probe<'a> {
             shear: single(d * f64x4::splat(depth)),
             depth: depth as f32,
         })
+    }
+
+    /// The rows of a node's bounds that the ray comes to last, along each axis; those opposite are their numbers ^ 1.
+    #[inline(always)]
+    pub fn far_rows(&self) -> [usize; 3] {
+        [self.signs & 1 ^ 1, 2 | self.signs >> 1 & 1 ^ 1, 4 | self.signs >> 2 & 1 ^ 1]
     }
 
     /// The point at a distance, in the tree's coordinates.
@@ -151,8 +164,7 @@ impl<'a> Probe<'a> {
     #[inline(always)]
     pub fn test(&self, block: &Block, limit: f32) -> Lanes {
         let k = self.axis;
-        let i = if k == 2 { 0 } else { k + 1 };
-        let j = 3 - k - i;
+        let [i, j] = across(k);
         let (origin, shear) = (self.origin.to_array(), self.shear.to_array());
         let origin = [i, j, k].map(|axis| f32x8::splat(origin[axis]));
         let shear = [f32x8::splat(shear[i]), f32x8::splat(shear[j]), f32x8::splat(self.depth)];

@@ -271,6 +271,51 @@ fn shapes_and_meshes_share_a_tree() {
     }
 }
 
+/// What [`Accel::nearest_each`] finds must be what [`Accel::nearest`] does.
+fn assert_same_together(accel: &Accel, rays: &[Ray], range: [f64; 2]) -> usize {
+    let mut together = Vec::new();
+    accel.nearest_each(rays.iter().map(|ray| (ray, range)), |_, hit| together.push(hit));
+    let alone: Vec<_> = rays.iter().map(|ray| accel.nearest(ray, range[0], range[1])).collect();
+    assert_eq!(format!("{together:?}"), format!("{alone:?}"));
+    alone.iter().flatten().count()
+}
+
+#[test]
+fn rays_beside_one_another_meet_what_each_meets_alone() {
+    let mut random = Random(17);
+    let one = Arc::new(build(vec![mesh(ball(2, 0.1))]));
+    let moved = |p: Vec3| Affine::from_translation(p) * Affine::from_scale(Vec3::splat(0.3));
+    let shapes = (0..100).map(|_| {
+        let p = random.point();
+        Geometry::Shape(shape("sphere", &[p.x, p.y, p.z, 0.05]))
+    });
+    let mut surfaces: Vec<Geometry> = shapes.collect();
+    surfaces.extend([mesh(ball(5, 0.1)), mesh(lattice(20))]);
+    surfaces.extend((0..5).map(|_| Geometry::Group(one.clone(), moved(random.point()))));
+    let scenes = [build(surfaces), build(vec![mesh(ball(6, 0.02))]), build(vec![mesh(lattice(1))])];
+    let mut hits = 0;
+    for accel in &scenes {
+        for i in 0..2000 {
+            // As of a camera outside or inside, near or far, and as of the sun: along any axis, sometimes exactly.
+            let (eye, forward) = (random.point() * [0.5, 3.0, 1e5][i % 3], random.direction());
+            let target = random.point();
+            let forward = if i % 3 == 0 { forward } else { (target - eye).normalize() };
+            let forward = if i % 10 == 0 { Vec3::X } else { forward };
+            let spread = [1e-9, 1e-5, 1e-3, 0.1, 1.0][i % 5];
+            let rays: Vec<Ray> = (0..1 + i % 40)
+                .map(|_| {
+                    let off = random.point() * spread;
+                    let (from, along) = if i % 2 == 0 { (eye, (forward + off).normalize()) } else { (eye + off, forward) };
+                    Ray::new(from, along)
+                })
+                .collect();
+            let far = if i % 7 == 0 { eye.length() } else { f64::INFINITY };
+            hits += assert_same_together(accel, &rays, [TINY, far]);
+        }
+    }
+    assert!(hits > 20_000, "{hits}");
+}
+
 /// What `rtrace -w -h -os` answers for two unit squares at z = 0, a before b in the file, with modifiers of these ranks; "-" marks a square
 /// given clockwise seen from above, "~x" one lowered by x. Rays from above, from below and slanting from above.
 ///
@@ -467,6 +512,7 @@ proptest! {
             let hit = accel.nearest(&ray, 0.0, f64::INFINITY);
             prop_assert!(hit.is_none() || accel.dropped() < numbers.len() / 9);
             accel.occluded(&ray, -1.0, 1.0);
+            assert_same_together(&accel, &[ray; 3], [0.0, f64::INFINITY]);
         }
     }
 }

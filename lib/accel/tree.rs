@@ -71,6 +71,17 @@ fn spread(p: f32x4) -> [f32x8; 3] {
     [f32x8::splat(x), f32x8::splat(y), f32x8::splat(z)]
 }
 
+/// Where rays enter boxes, and which leave them behind that and before a limit: eight pairs of a ray, by its inverse and shift, and a box, by
+/// the planes that the ray comes to first and last. What is rounded here and in the triangle test, the boxes have a margin for.
+#[inline(always)]
+pub(super) fn passage(near: [f32x8; 3], far: [f32x8; 3], inverse: [f32x8; 3], shift: [f32x8; 3], limit: f32x8) -> (f32x8, u32) {
+    let ([x, y, z], [to_x, to_y, to_z]) = (near, far);
+    let at = |plane: f32x8, axis: usize| plane.mul_add(inverse[axis], shift[axis]);
+    let enter = at(x, 0).fast_max(at(y, 1)).fast_max(at(z, 2).fast_max(f32x8::ZERO));
+    let leave = at(to_x, 0).fast_min(at(to_y, 1)).fast_min(at(to_z, 2).fast_min(limit));
+    (enter, enter.simd_le(leave).to_bitmask())
+}
+
 /// Eight boxes and what is in them.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
@@ -120,8 +131,7 @@ impl Tree {
         stack[0] = u64::from(root);
         let mut top = 1;
         let (inverse, shift) = (spread(probe.inverse), spread(probe.shift));
-        // The rows of bounds that the ray comes to last, and those opposite.
-        let far_rows = [probe.signs & 1 ^ 1, 2 | probe.signs >> 1 & 1 ^ 1, 4 | probe.signs >> 2 & 1 ^ 1];
+        let far_rows = probe.far_rows();
         let near_rows = far_rows.map(|row| row ^ 1);
         let rest = |mask: u32| mask & mask.wrapping_sub(1);
         'next: loop {
@@ -143,12 +153,8 @@ impl Tree {
             let far_most = f32x8::splat(limit);
             while current & LEAF == 0 {
                 let node = &self.nodes[current as usize];
-                // What is rounded here and in the triangle test, the boxes have a margin for.
-                let slabs = |rows: [usize; 3]| [0, 1, 2].map(|axis| node.bounds[rows[axis]].mul_add(inverse[axis], shift[axis]));
-                let ([x, y, z], [to_x, to_y, to_z]) = (slabs(near_rows), slabs(far_rows));
-                let near = x.fast_max(y).fast_max(z.fast_max(f32x8::ZERO));
-                let far = to_x.fast_min(to_y).fast_min(to_z.fast_min(far_most));
-                let first_of = near.simd_le(far).to_bitmask();
+                let planes = |[x, y, z]: [usize; 3]| [node.bounds[x], node.bounds[y], node.bounds[z]];
+                let (near, first_of) = passage(planes(near_rows), planes(far_rows), inverse, shift, far_most);
                 if first_of == 0 {
                     continue 'next;
                 }

@@ -60,17 +60,15 @@ pub fn answer(mut teller: Teller, stream: &Stream, console: &Console) -> Outcome
         let rays = &batch[..batch.len() - at_once as usize];
         let share = rays.len().div_ceil(16 * rayon::current_num_threads()).max(1);
         let records = rays.par_chunks(share).enumerate().with_max_len(1).map(|(part, rays)| {
-            let mut writer = teller.writer();
+            let mut writer = teller.writer(rays.len());
             let rays: Vec<Asked> = rays.iter().map(|&ray| Asked::new(ray)).collect();
-            for (ray, number) in rays.iter().zip(number + (part * share) as u64..) {
-                teller.tell(ray, number, &mut writer);
-            }
+            teller.tell(&rays, number + (part * share) as u64, &mut writer);
             writer.bytes
         });
         records.collect::<Vec<_>>().iter().try_for_each(|records| output.write(records))?;
         last = *rays.last().unwrap_or(&last);
         if at_once {
-            let mut writer = teller.writer();
+            let mut writer = teller.writer(1);
             teller.empty(&Asked::new(last), &mut writer);
             output.write(&writer.bytes)?;
         }

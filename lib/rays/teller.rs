@@ -59,28 +59,43 @@ struct Record<'a, 'w> {
 }
 
 impl<'w> Teller<'w> {
-    /// What takes records.
-    pub fn writer(&self) -> Writer {
-        Writer { bytes: Vec::new(), form: self.format.output, space: self.space }
+    /// What takes the records of about so many rays.
+    pub fn writer(&self, rays: usize) -> Writer {
+        // Most are of numbers of a few bytes.
+        Writer { bytes: Vec::with_capacity(rays * self.fields.ray.len() * 16), form: self.format.output, space: self.space }
     }
 
-    /// Writes the record of a ray; `number` makes its random choices its own. Inlined, with what it does for the simplest record, since where
-    /// only the first surface is asked for, calls would take as long as finding that.
+    /// Writes the records of rays, whose numbers from `first` on make their random choices their own.
+    pub fn tell(&self, rays: &[Asked], first: u64, writer: &mut Writer) {
+        if self.irradiance || !self.fields.every.is_empty() || !self.fields.needs.first {
+            return rays.iter().zip(first..).for_each(|(asked, number)| self.tell_one(asked, number, None, writer));
+        }
+        let limited = rays.iter().map(|asked| (&asked.ray, self.limit(asked)));
+        self.world.nearest_each(limited, |n, hit| self.tell_one(&rays[n], first + n as u64, hit.as_ref(), writer));
+    }
+
+    /// How far a ray goes.
+    fn limit(&self, asked: &Asked) -> f64 {
+        if self.limited { asked.length } else { f64::INFINITY }
+    }
+
+    /// Writes the record of a ray, given what it meets first if the record needs that. Inlined, with what it does for the simplest record, since
+    /// where only the first surface is asked for, calls would take as long as finding that.
     #[inline(always)]
-    pub fn tell(&self, asked: &Asked, number: u64, writer: &mut Writer) {
+    fn tell_one(&self, asked: &Asked, number: u64, hit: Option<&Hit>, writer: &mut Writer) {
         if asked.ray.direction == Vec3::ZERO {
             return self.empty(asked, writer);
         }
         if self.irradiance {
             return self.irradiance(asked, number, writer);
         }
-        let (ray, limit) = (&asked.ray, if self.limited { asked.length } else { f64::INFINITY });
+        let (ray, limit) = (&asked.ray, self.limit(asked));
         if !self.fields.every.is_empty() {
             return self.every(ray, limit, number, writer);
         }
         let mut met = nothing(ray);
         if self.fields.needs.first {
-            self.first(ray, limit, &mut met);
+            self.meet(ray, hit, limit, &mut met);
         }
         // Referred to where it is, as each copy would wait for what was written just before.
         let found;
@@ -137,13 +152,12 @@ impl<'w> Teller<'w> {
         pixel.mean()
     }
 
-    /// Finds what a ray meets first.
+    /// Takes in what a ray meets first.
     #[inline(always)]
-    fn first(&self, ray: &Ray, limit: f64, first: &mut Met<'w>) {
-        let hit = self.world.nearest(ray, limit);
-        first.meet(self.world, ray, hit.as_ref(), limit, self.fields.needs.known);
-        if let Some(hit) = hit.as_ref().filter(|_| self.fields.needs.layers) {
-            self.see(ray, hit, first);
+    fn meet(&self, ray: &Ray, hit: Option<&Hit>, limit: f64, met: &mut Met<'w>) {
+        met.meet(self.world, ray, hit, limit, self.fields.needs.known);
+        if let Some(hit) = hit.filter(|_| self.fields.needs.layers) {
+            self.see(ray, hit, met);
         }
     }
 
