@@ -118,7 +118,8 @@ impl Accel {
     /// The first surface met at a distance between `t_min` and `t_max` (both excluded). Of surfaces less than 1e-6 apart along the ray (in
     /// scenes of ordinary size) the one of greatest [`Rank`] is first.
     pub fn nearest(&self, ray: &Ray, t_min: f64, t_max: f64) -> Option<Hit> {
-        let single = Cell::default();
+        // A constant: otherwise it is copied from where the answer goes.
+        let single = const { Cell::new(None) };
         let mut search = Search::new(self, ray, [t_min, t_max], &single)?;
         search.run();
         search.finish()
