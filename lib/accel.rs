@@ -114,6 +114,9 @@ pub struct Hit {
     pub barycentric: [f64; 2],
 }
 
+/// After so many bundles in a row that were none, no more rays are taken alone before the next try.
+const MOST_STRAYS: u32 = 4;
+
 impl Accel {
     /// The first surface met at a distance between `t_min` and `t_max` (both excluded). Of surfaces less than 1e-6 apart along the ray (in
     /// scenes of ordinary size) the one of greatest [`Rank`] is first.
@@ -128,23 +131,25 @@ impl Accel {
     /// What [`Accel::nearest`] finds for each of some rays and ranges of distances, told in their order with their numbers: quicker where rays are
     /// beside those before them, as are those of a picture.
     pub fn nearest_each<'r>(&self, rays: impl IntoIterator<Item = (&'r Ray, [f64; 2])>, mut found: impl FnMut(usize, Option<Hit>)) {
-        let mut rays = rays.into_iter().fuse();
+        let mut rays = rays.into_iter().fuse().enumerate().peekable();
         let singles = [const { Cell::new(None) }; WIDTH];
         let mut searches = [const { None }; WIDTH];
-        for first in (0..).step_by(WIDTH) {
+        let mut strays = 0;
+        while let Some(&(first, _)) = rays.peek() {
             let mut count = 0;
             for (search, single) in searches.iter_mut().zip(&singles) {
-                *search = rays.next().and_then(|(ray, range)| {
+                *search = rays.next().and_then(|(_, (ray, range))| {
                     count += 1;
                     Search::new(self, ray, range, single)
                 });
             }
-            if count == 0 {
-                return;
-            }
-            bundle::run(&self.tree, &mut searches);
+            let together = bundle::run(&self.tree, &mut searches);
             let hits = searches[..count].iter().map(|search| search.as_ref().and_then(Search::finish));
             hits.enumerate().for_each(|(n, hit)| found(first + n, hit));
+            // Rays behind some that go different ways are likely to do so too, the more of these there were.
+            strays = if together { 0 } else { (strays + 1).min(MOST_STRAYS) };
+            let alone = if together { 0 } else { WIDTH << strays };
+            rays.by_ref().take(alone).for_each(|(n, (ray, [t_min, t_max]))| found(n, self.nearest(ray, t_min, t_max)));
         }
     }
 

@@ -3,7 +3,7 @@
 //! What all of them miss is found out for eight boxes at a time, by the beam that they are within (Wald et al. 2006, "Ray Tracing Animated
 //! Scenes using Coherent Grid Traversal"); only in front of a leaf is each asked by itself whether it meets the leaf's box.
 
-use super::probe::{Probe, across};
+use super::probe::across;
 use super::search::Search;
 use super::tree::{LEAF, Node, Tree, passage};
 use wide::{f32x4, f32x8};
@@ -20,12 +20,15 @@ const MARGIN: f32 = 16.0 * f32::EPSILON;
 /// A number for each ray.
 type Each = [f32x8; WIDTH / 8];
 
-/// Runs searches, together if they go the same way.
-pub(super) fn run(tree: &Tree, searches: &mut [Option<Search>; WIDTH]) {
-    match Bundle::new(tree, searches) {
+/// Runs searches, together if they go the same way; whether they do.
+pub(super) fn run(tree: &Tree, searches: &mut [Option<Search>; WIDTH]) -> bool {
+    let mut ways = searches.iter().flatten().map(|search| (search.probe.axis, search.probe.signs));
+    let together = ways.next().is_none_or(|first| ways.all(|way| way == first));
+    match if together { Bundle::new(tree, searches) } else { None } {
         Some(mut bundle) => bundle.walk(tree, searches),
         None => searches.iter_mut().flatten().for_each(Search::run),
     }
+    together
 }
 
 /// Rays whose directions are longest along the same axis, and whose directions' components have the same signs.
@@ -58,13 +61,12 @@ struct Beam {
 }
 
 impl Bundle {
-    /// The bundle of these rays; `None` if they are not one.
+    /// The bundle of some rays that go the same way; `None` if it is not worth while.
     #[inline(never)]
     fn new(tree: &Tree, searches: &[Option<Search>; WIDTH]) -> Option<Self> {
         let probes = || searches.iter().enumerate().filter_map(|(n, search)| Some((n, &search.as_ref()?.probe)));
         let first = probes().next()?.1;
-        let alike = |probe: &Probe| probe.axis == first.axis && probe.signs == first.signs;
-        if tree.root.is_none_or(|root| root & LEAF != 0) || !probes().all(|(_, probe)| alike(probe)) {
+        if tree.root.is_none_or(|root| root & LEAF != 0) {
             return None;
         }
         let axis = first.axis;
