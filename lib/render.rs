@@ -175,8 +175,10 @@ pub struct Task<'a> {
 /// Renders until the budget is spent, or `stop` says so; then the picture so far is the result. `show` is shown it after each round.
 pub fn render(task: &Task, stop: &(dyn Fn() -> bool + Sync), show: &mut dyn FnMut(&Rendering)) -> Rendering {
     let start = Instant::now();
-    let over = || stop() || matches!(task.budget, Budget::Time(time) if start.elapsed() >= time);
     let mut rendering = Rendering::of(vec![Pixel::from(task.first); task.count]);
+    // So many pixels are finished, and made a picture of, in about the time it takes to begin them (measured: 1 and 4 million, in 0.17 and 0.7 s).
+    let rest = start.elapsed();
+    let over = || stop() || matches!(task.budget, Budget::Time(time) if start.elapsed() + rest >= time);
     let mut round = |rendering: &mut Rendering, wanted: Wanted| {
         task.round(&mut rendering.pixels, wanted, &over);
         rendering.noise = noise(&rendering.pixels);
