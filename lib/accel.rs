@@ -114,7 +114,7 @@ pub struct Hit {
     pub barycentric: [f64; 2],
 }
 
-/// After so many bundles in a row that were none, no more rays are taken alone before the next try.
+/// With each bundle in a row that was none, twice as many rays are taken alone before the next try, so often.
 const MOST_STRAYS: u32 = 4;
 
 impl Accel {
@@ -146,10 +146,13 @@ impl Accel {
             let together = bundle::run(&self.tree, &mut searches);
             let hits = searches[..count].iter().map(|search| search.as_ref().and_then(Search::finish));
             hits.enumerate().for_each(|(n, hit)| found(first + n, hit));
+            if together {
+                strays = 0;
+                continue;
+            }
             // Rays behind some that go different ways are likely to do so too, the more of these there were.
-            strays = if together { 0 } else { (strays + 1).min(MOST_STRAYS) };
-            let alone = if together { 0 } else { WIDTH << strays };
-            rays.by_ref().take(alone).for_each(|(n, (ray, [t_min, t_max]))| found(n, self.nearest(ray, t_min, t_max)));
+            strays = (strays + 1).min(MOST_STRAYS);
+            rays.by_ref().take(WIDTH << strays).for_each(|(n, (ray, [t_min, t_max]))| found(n, self.nearest(ray, t_min, t_max)));
         }
     }
 

@@ -222,9 +222,8 @@ impl<'a, B: Clone> Integrator<'a, B> {
 
     /// Follows one sample of `ray` as far as `limit`, and all it leads to.
     pub fn trace<T: Transport<Beta = B>>(&mut self, transport: &mut T, ray: Ray, limit: f64, sampler: Sampler) -> Outcome {
-        let path = self.primary(ray, limit, sampler);
-        self.stack.push(Segment { path, beta: transport.start() });
-        self.run(transport)
+        let hit = self.world.nearest(&ray, limit);
+        self.trace_on(transport, ray, limit, hit.as_ref(), sampler)
     }
 
     /// The same, where it is known what the ray meets first.

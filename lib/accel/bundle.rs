@@ -70,7 +70,7 @@ impl Bundle {
             return None;
         }
         let axis = first.axis;
-        let sign = if first.signs >> axis & 1 == 1 { -1.0 } else { 1.0 };
+        let sign = first.depth.signum();
         let mut rows = [[0.0; WIDTH]; 6];
         let (mut limits, mut starts, mut depths) = ([-1.0; WIDTH], [0.0; WIDTH], [1.0; WIDTH]);
         let mut start = f32::INFINITY;
@@ -195,8 +195,7 @@ impl Beam {
         let far = depth(far_row).fast_min(f32x8::splat(reach));
         let mut met = near.simd_le(far);
         let [least, most] = self.slopes;
-        let across = across(self.axis);
-        for axis in across {
+        for axis in across(self.axis) {
             let pick = |v: f32x4| f32x8::splat(v.as_array()[axis & 3]);
             // Where a side leans in, the beam is widest at the near end of the box.
             let side =
