@@ -15,29 +15,19 @@
 
 mod check;
 pub mod linear;
+mod parameter;
 mod past;
 mod polish;
 mod random;
 mod walk;
+
+pub use parameter::{Parameter, anywhere};
 
 use crate::error::{Error, Result};
 use polish::{Fit, Polish, Seen};
 use random::Random;
 use serde::{Deserialize, Serialize};
 use walk::Walk;
-
-/// One coordinate of the vector.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Parameter {
-    /// What messages call it.
-    pub name: String,
-    /// Where the search starts.
-    pub start: f64,
-    /// Smallest value that is ever proposed.
-    pub low: f64,
-    /// Largest value that is ever proposed.
-    pub high: f64,
-}
 
 /// How to search.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -155,12 +145,14 @@ const POLISH: f64 = 0.45;
 const LUCK: (f64, f64) = (4.0, 0.5);
 /// How often the lowest value of a walk must have been measured before it is believed.
 const BELIEVED: u32 = 3;
+/// The largest chi-squared that can be reckoned with: sums and differences of two are finite.
+const LARGEST: f64 = 1e307;
 
 impl Annealer {
     /// A search that has not begun. Fails if there is nothing to search for or a bound is not a number.
     pub fn new(parameters: Vec<Parameter>, mut options: Options) -> Result<Self> {
         let wrong = |p: &Parameter| Error::new(format!("{}: bounds {}:{} with start {} make no sense", p.name, p.low, p.high, p.start));
-        let sound = |p: &Parameter| p.low < p.high && (p.low..=p.high).contains(&p.start) && (p.high - p.low).is_finite();
+        let sound = |p: &Parameter| p.low < p.high && (p.low..=p.high).contains(&p.start) && p.range().is_finite();
         if let Some(p) = parameters.iter().find(|p| !sound(p)) {
             return Err(wrong(p));
         }
@@ -228,9 +220,11 @@ impl Annealer {
         })
     }
 
-    /// Takes the chi-squared of the proposal. What is not finite marks it as impossible. Does nothing when the search is over.
+    /// Takes the chi-squared of the proposal. One that is no number, or too large to reckon with (beyond 1e307), marks it as impossible. Does
+    /// nothing when the search is over.
     pub fn tell(&mut self, chi2: f64) {
         let Some(Next { values, purpose }) = self.next.take() else { return };
+        let chi2 = if chi2.abs() <= LARGEST { chi2 } else { f64::MAX };
         let mut random = self.random();
         self.told += 1;
         let index = self.trials.len();
@@ -238,7 +232,7 @@ impl Annealer {
             self.tell_again(index, chi2);
         } else {
             let minimum = self.fit().is_some_and(|fit| self.values(&fit.minimum) == values);
-            self.trials.push(Trial { values, chi2: if chi2.is_finite() { chi2 } else { f64::MAX }, times: 1, stage: self.stage });
+            self.trials.push(Trial { values, chi2, times: 1, stage: self.stage });
             if minimum && matches!(purpose, Purpose::Polish) {
                 self.answer = Some(index);
             }
@@ -287,8 +281,7 @@ impl Annealer {
         let errors = self.parameters.iter().enumerate().map(|(i, p)| {
             let curvature = inverse.as_ref().map_or(f64::INFINITY, |m| m.at(i, i));
             let unit = if own > 0.0 { (fit.errors[i].powi(2) + own * curvature).sqrt() } else { fit.errors[i] };
-            // A box in which anything goes has a standard deviation of its side / √12.
-            if unit < 12f64.sqrt().recip() { unit * (p.high - p.low) } else { f64::INFINITY }
+            Some(unit * p.range()).filter(|&error| error < p.anywhere()).unwrap_or(f64::INFINITY)
         });
         Some(errors.collect())
     }
@@ -336,7 +329,7 @@ impl Annealer {
         let trial = &mut self.trials[index];
         self.exact = Some(self.exact != Some(false) && trial.chi2 == chi2);
         // The first value is why the trial was chosen, so it is too low in the mean: only the others count.
-        let (count, possible) = (f64::from(trial.times - 1), chi2.is_finite() && trial.chi2 < f64::MAX);
+        let (count, possible) = (f64::from(trial.times - 1), chi2 < f64::MAX && trial.chi2 < f64::MAX);
         trial.chi2 = if possible { (trial.chi2 * count + chi2) / (count + 1.0) } else { f64::MAX };
         trial.times += 1;
     }
@@ -463,21 +456,6 @@ impl Trial {
     /// How many values its chi-squared is the mean of.
     fn weight(&self) -> f64 {
         f64::from((self.times - 1).max(1))
-    }
-}
-
-impl Parameter {
-    /// 0 at the lower bound, 1 at the upper.
-    fn unit(&self, value: f64) -> f64 {
-        (value - self.low) / (self.high - self.low)
-    }
-
-    /// The value at `unit`, rounded to a decimal number: the range has ten to a hundred million of them.
-    fn value(&self, unit: f64) -> f64 {
-        let scale = 10f64.powi(7 - (self.high - self.low).log10().floor() as i32);
-        let value = self.low + unit * (self.high - self.low);
-        let rounded = (value * scale).round() / scale;
-        if rounded.is_finite() { rounded.clamp(self.low, self.high) } else { value.clamp(self.low, self.high) }
     }
 }
 

@@ -38,6 +38,7 @@ use doubts::Known;
 use model::Kind;
 use rayon::prelude::*;
 use rough::Sought;
+use serde::{Deserialize, Serialize};
 pub use sharpness::Blur;
 use std::time::Instant;
 
@@ -79,7 +80,7 @@ pub struct Effort<'a> {
 }
 
 /// What was found.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Recovery {
     /// The values of the parameters.
     pub values: Vec<f64>,
@@ -87,7 +88,7 @@ pub struct Recovery {
     pub covariance: Symmetric,
     /// The part of it that the rendering makes.
     pub own: Symmetric,
-    /// What an error that pixels have in common does to the values: their covariance for one of [`sheet::COMMON`] of the light.
+    /// What an error that pixels have in common does to the values: their covariance for one of 1.5 % of the light.
     pub common: Symmetric,
     /// By which part of their light whole areas are off, which no noise is.
     pub misfit: f64,
@@ -98,8 +99,11 @@ pub struct Recovery {
     /// How many pixels count.
     pub pixels: usize,
     /// For each of them the square by which it is off, relatively, without the noise of the rendering: about 0, and below it too, where it fits.
+    /// Empty in one that was kept.
+    #[serde(skip)]
     pub losses: Vec<f64>,
-    /// How much of the derivative by each value is not noise, from 0 to 1.
+    /// How much of the derivative by each value is not noise, from 0 to 1. Empty in one that was kept.
+    #[serde(skip)]
     pub clarity: Vec<f64>,
 }
 

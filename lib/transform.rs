@@ -19,9 +19,6 @@ impl Transform {
     /// What changes nothing.
     pub const IDENTITY: Self = Self { affine: Affine::IDENTITY, scale: 1.0, mirrored: false };
 
-    /// Most repetitions that `-i` may ask for.
-    const REPEAT_LIMIT: usize = 1_000_000;
-
     /// The transform that `words` begins with, and how many of them it takes. Elements apply from left to right;
     /// `-i n` repeats what follows it, up to the next `-i`, n times. Stops at the first word that is no element.
     pub fn parse<S: AsRef<str>>(words: &[S]) -> Result<(Self, usize)> {
@@ -50,9 +47,6 @@ impl Transform {
                     done = done.then(&part.repeated(repeat));
                     part = Self::IDENTITY;
                     repeat = count.ok_or_else(|| Error::new("`-i` needs a count, 0 or more"))?;
-                    if repeat > Self::REPEAT_LIMIT {
-                        return Err(Error::new(format!("`-i {repeat}` repeats too often; at most {} times", Self::REPEAT_LIMIT)));
-                    }
                     (Self::IDENTITY, 1)
                 }
                 _ => break,
@@ -60,7 +54,11 @@ impl Transform {
             part = part.then(&element);
             at += 1 + count;
         }
-        Ok((done.then(&part.repeated(repeat)), at))
+        let whole = done.then(&part.repeated(repeat));
+        if !(whole.affine.is_finite() && whole.scale.is_finite() && whole.scale > 0.0) {
+            return Err(Error::new("the transform leaves the range of numbers; check its `-s`, `-t` and `-i`"));
+        }
+        Ok((whole, at))
     }
 
     /// The transform that the strings of a primitive from `start` on are.
@@ -159,7 +157,7 @@ mod tests {
 
     #[test]
     fn malformed_elements_are_errors() {
-        for bad in ["-t 1 2", "-rx", "-s 0", "-i x", "-i 99999999"] {
+        for bad in ["-t 1 2", "-rx", "-s 0", "-i x", "-s 1e200 -s 1e200", "-s 1e-200 -s 1e-200", "-i 2000 -s 2"] {
             assert!(Transform::parse(&bad.split_whitespace().collect::<Vec<_>>()).is_err(), "{bad}");
         }
     }

@@ -100,12 +100,22 @@ fn a_state_is_not_taken_for_another_recovery() {
     for other in ["--seed 1", "--time 60"] {
         assert!(trouble(path, &format!("{ASKED} {other} start.rad")).contains("other options"));
     }
-    // A round that knows the errors of some values only.
-    let mut state: serde_json::Value = serde_json::from_slice(&fs::read(path.join("state")).unwrap()).unwrap();
-    state["rounds"][1]["errors"].as_array_mut().unwrap().pop();
-    fs::write(path.join("bent"), state.to_string()).unwrap();
-    let bent = ASKED.replace("state state", "state bent");
-    assert!(trouble(path, &format!("{bent} --report page.html start.rad")).contains("bent: not a recovery that anneal keeps (its parts"));
+    // A round that knows the errors of some values only; an answer that has one value only.
+    let state: serde_json::Value = serde_json::from_slice(&fs::read(path.join("state")).unwrap()).unwrap();
+    let (mut round, mut answer) = (state.clone(), state);
+    round["rounds"][1]["errors"].as_array_mut().unwrap().pop();
+    answer["rounds"] = serde_json::json!([]);
+    answer["found"]["values"].as_array_mut().unwrap().truncate(1);
+    for matrix in ["covariance", "own", "common"] {
+        answer["found"][matrix] = serde_json::json!({"size": 1, "cells": [0.01]});
+    }
+    for state in [round, answer] {
+        fs::write(path.join("bent"), state.to_string()).unwrap();
+        let bent = ASKED.replace("state state", "state bent");
+        assert!(
+            trouble(path, &format!("{bent} --report page.html start.rad")).contains("bent: not a recovery that anneal keeps (its parts")
+        );
+    }
     fs::write(path.join("scene.rad"), SCENE.replace("200", "201")).unwrap();
     assert!(trouble(path, &format!("{ASKED} start.rad")).contains("state: it keeps a recovery from other files"));
     fs::write(path.join("state"), "{}").unwrap();

@@ -1,6 +1,6 @@
 //! Whether a search that was read back can be gone on with: a file may be damaged, or made by hand.
 
-use super::{Annealer, Purpose};
+use super::{Annealer, LARGEST, Purpose};
 
 impl Annealer {
     /// Whether all parts fit together, so that going on cannot fail.
@@ -11,10 +11,12 @@ impl Annealer {
         // What a new search is made of must pass the same checks.
         Self::new(self.parameters.clone(), self.options.clone()).is_ok()
             && self.stage < self.options.stages.len()
-            && self
-                .trials
-                .iter()
-                .all(|trial| within(&trial.values) && trial.chi2.is_finite() && trial.times > 0 && trial.stage <= self.stage)
+            && self.trials.iter().all(|trial| {
+                within(&trial.values)
+                    && (trial.chi2.abs() <= LARGEST || trial.chi2 == f64::MAX)
+                    && trial.times > 0
+                    && trial.stage <= self.stage
+            })
             && self.trials.iter().map(|trial| trial.times as usize).sum::<usize>() == self.told
             && self.walk.as_ref().is_none_or(|walk| walk.is_consistent(count, trials))
             && self.polish.as_ref().is_none_or(|polish| polish.is_consistent(count))

@@ -139,7 +139,6 @@ impl Symmetric {
         }
         let theta = (self.at(q, q) - self.at(p, p)) / (2.0 * apq);
         let t = theta.signum() / (theta.abs() + theta.hypot(1.0));
-        let t = if theta == 0.0 { 1.0 } else { t };
         let c = 1.0 / t.hypot(1.0);
         let s = t * c;
         let (app, aqq) = (self.at(p, p) - t * apq, self.at(q, q) + t * apq);

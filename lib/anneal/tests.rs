@@ -283,6 +283,8 @@ fn impossible_values_and_small_budgets_do_no_harm() {
     }
     let nowhere = search(box_of(&[0.5; COUNT]), options(1, 100), |_, _| f64::INFINITY);
     assert_eq!(nowhere.best().unwrap().chi2, f64::MAX);
+    let far = search(box_of(&[0.5; COUNT]), options(1, 100), |x, _| if x[0] > 0.5 { 1e308 } else { -1e308 });
+    assert!(far.is_consistent() && serde_json::from_str::<Annealer>(&serde_json::to_string(&far).unwrap()).is_ok());
     let flat = search(box_of(&[0.5; COUNT]), options(1, 100), |_, _| 1.0);
     assert_eq!(flat.best().unwrap().chi2, 1.0);
     assert!(flat.is_flat() && flat.is_consistent());

@@ -92,7 +92,8 @@ impl Walk {
             chain.now < trials && chain.best < trials && sizes
         };
         let known = |trial: &usize| *trial < trials;
-        !self.chains.is_empty()
+        self.temperature.is_finite()
+            && !self.chains.is_empty()
             && self.chains.iter().all(chain)
             && self.waiting.iter().all(known)
             && self.carried.iter().all(|(old, new)| known(old) && known(new))

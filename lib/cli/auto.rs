@@ -10,6 +10,7 @@ use crate::recover::types::{SAMPLES, Sample, Trial, choose};
 use crate::recover::{Effort, Evidence, Recovery, recover};
 use crate::report::Moment;
 use crate::unknown::{TYPES, Unknown, Wishes, retyped};
+use std::slice::from_ref;
 
 /// A photograph whose unknown has been taken for a type.
 pub struct Taken<'a> {
@@ -49,7 +50,7 @@ pub fn take<'a>(start: &str, target: &str, effort: Effort, arguments: &Arguments
         let (document, wishes) = opened(start, arguments)?;
         let photo = Photo::new(&Unknown::new(document, &wishes)?, Some(target), arguments, console)?;
         let asked = Asked::new(start, arguments, photo.read());
-        let found = kept(&asked, arguments)?.map(Kept::found);
+        let found = kept(&asked, from_ref(photo.unknown()), arguments)?.map(|(kept, _)| (kept.found, kept.rounds));
         return Ok(Taken { photo, title: vec![], doubts: vec![], around: None, asked, found });
     }
     let (document, wishes) = read(start, arguments)?;
@@ -66,11 +67,9 @@ pub fn take<'a>(start: &str, target: &str, effort: Effort, arguments: &Arguments
     };
     let mut photo = Photo::new(first, Some(target), arguments, console)?;
     let asked = Asked::new(start, arguments, photo.read());
-    if let Some(kept) = kept(&asked, arguments)? {
-        let unknown = unknowns.into_iter().find(|u| u.material().kind == kept.kind);
-        photo.take_for(unknown.ok_or_else(|| Error::new("--state keeps a recovery of another type"))?)?;
-        let (title, doubts) = (kept.title.clone(), kept.doubts.clone());
-        return Ok(Taken { photo, title, doubts, around: None, asked, found: Some(kept.found()) });
+    if let Some((Kept { title, doubts, found, rounds, .. }, unknown)) = kept(&asked, &unknowns, arguments)? {
+        photo.take_for(unknowns.swap_remove(unknown))?;
+        return Ok(Taken { photo, title, doubts, around: None, asked, found: Some((found, rounds)) });
     }
     let pixels = photo.evidence().pixels(first, photo.material())?;
     let effort = Effort { quick: true, ..effort };
@@ -90,16 +89,16 @@ pub fn take<'a>(start: &str, target: &str, effort: Effort, arguments: &Arguments
     let [few, more] = SAMPLES;
     let (mut verdict, mut values) = compare(&unknowns, few)?;
     if !verdict.sure && pixels.len() > few {
-        let (out, left): (Vec<_>, Vec<_>) = verdict.standings.into_iter().partition(|(_, standing)| standing.is_out());
+        let (out, left): (Vec<_>, Vec<_>) = verdict.rivals.into_iter().partition(|(_, rival)| rival.is_out());
         unknowns.retain(|unknown| left.iter().any(|(kind, _)| *kind == unknown.material().kind));
         (verdict, values) = compare(&unknowns, more)?;
-        verdict.standings.extend(out);
+        verdict.rivals.extend(out);
     }
     photo.take_for(unknowns.swap_remove(verdict.chosen))?;
     Ok(Taken { photo, title: vec![verdict.title()], doubts: verdict.doubts(), around: Some(values), asked, found: None })
 }
 
-/// What `--state` keeps of what is asked.
-fn kept(asked: &Asked, arguments: &Arguments) -> Result<Option<Kept>> {
-    arguments.search.state.as_deref().map_or(Ok(None), |path| Kept::load(path, asked))
+/// What `--state` keeps of what is asked, and which of the unknowns it is of.
+fn kept(asked: &Asked, unknowns: &[Unknown], arguments: &Arguments) -> Result<Option<(Kept, usize)>> {
+    arguments.search.state.as_deref().map_or(Ok(None), |path| Kept::load(path, asked, unknowns))
 }

@@ -6,11 +6,11 @@
 use super::Outcome;
 use super::report::Trail;
 use super::stream::{Output, file};
-use crate::anneal::linear::Symmetric;
 use crate::args::anneal::Arguments;
 use crate::error::{Error, Result};
-use crate::recover::{Blur, Recovery};
+use crate::recover::Recovery;
 use crate::report::Moment;
+use crate::unknown::Unknown;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -19,20 +19,15 @@ use std::path::Path;
 pub struct Kept {
     asked: Asked,
     /// The type that the unknown was taken for.
-    pub kind: String,
+    kind: String,
     /// What is to be said of the type.
     pub title: Vec<String>,
     /// What there is to doubt about it.
     pub doubts: Vec<String>,
-    values: Vec<f64>,
-    covariance: Symmetric,
-    own: Symmetric,
-    common: Symmetric,
-    misfit: f64,
-    blur: Option<Blur>,
-    chi2: f64,
-    pixels: usize,
-    rounds: Vec<Moment>,
+    /// What was found.
+    pub found: Recovery,
+    /// How.
+    pub rounds: Vec<Moment>,
 }
 
 /// What was asked: all that an answer depends on.
@@ -55,23 +50,24 @@ impl Asked {
 }
 
 impl Kept {
-    /// What `path` keeps of what is asked; `None` if there is no such file. Errors if it keeps something else.
-    pub fn load(path: &Path, asked: &Asked) -> Result<Option<Self>> {
+    /// What `path` keeps of what is asked, and which of some unknowns it was taken for; `None` if there is no such file. Errors if it keeps
+    /// something else.
+    pub fn load(path: &Path, asked: &Asked, unknowns: &[Unknown]) -> Result<Option<(Self, usize)>> {
         if !path.exists() {
             return Ok(None);
         }
         let remedy = "remove it to begin anew, or name another state";
         let trouble = |what: &str| Error::new(format!("{}: {what}; {remedy}", path.display()));
         let kept: Self = serde_json::from_slice(&file(path)?).map_err(|e| trouble(&format!("not a recovery that anneal keeps ({e})")))?;
-        let n = kept.values.len();
-        let fits = |round: &Moment| round.values.len() == n && round.errors.as_ref().is_none_or(|errors| errors.len() == n);
-        if !kept.is_finite() || !kept.rounds.iter().all(fits) {
-            return Err(trouble("not a recovery that anneal keeps (its parts contradict each other)"));
-        }
         match (kept.asked.options == asked.options, kept.asked.read == asked.read) {
-            (true, true) => Ok(Some(kept)),
-            (true, false) => Err(trouble("it keeps a recovery from other files")),
-            (false, _) => Err(trouble("it keeps a recovery with other options")),
+            (true, true) => {}
+            (true, false) => return Err(trouble("it keeps a recovery from other files")),
+            (false, _) => return Err(trouble("it keeps a recovery with other options")),
+        }
+        let unknown = unknowns.iter().position(|unknown| unknown.material().kind == kept.kind);
+        match unknown.filter(|&unknown| kept.is_of(unknowns[unknown].parameters().len())) {
+            Some(unknown) => Ok(Some((kept, unknown))),
+            None => Err(trouble("not a recovery that anneal keeps (its parts contradict each other)")),
         }
     }
 
@@ -90,32 +86,24 @@ impl Kept {
             kind: kind.into(),
             title: title.to_vec(),
             doubts: doubts.to_vec(),
-            values: found.values.clone(),
-            covariance: found.covariance.clone(),
-            own: found.own.clone(),
-            common: found.common.clone(),
-            misfit: found.misfit,
-            blur: found.blur,
-            chi2: found.chi2,
-            pixels: found.pixels,
+            found: found.clone(),
             rounds: trail.moments().clone(),
         };
         // What is infinite no file keeps: then the same command does it again.
-        if !kept.is_finite() {
+        if !kept.is_of(found.values.len()) {
             return Ok(());
         }
         let text = serde_json::to_vec(&kept).map_err(|e| Error::new(format!("{}: {e}", path.display())))?;
         Output::whole(Some(path), &text)
     }
 
-    /// Whether what is known of the errors of the values is of as many of them, and finite.
-    fn is_finite(&self) -> bool {
-        [&self.covariance, &self.own, &self.common].iter().all(|matrix| matrix.is_finite_of(self.values.len()))
-    }
-
-    /// What was found, and how.
-    pub fn found(self) -> (Recovery, Vec<Moment>) {
-        let Self { values, covariance, own, common, misfit, blur, chi2, pixels, rounds, .. } = self;
-        (Recovery { values, covariance, own, common, misfit, blur, chi2, pixels, losses: vec![], clarity: vec![] }, rounds)
+    /// Whether all it knows is of that many parameters, and finite.
+    fn is_of(&self, parameters: usize) -> bool {
+        let Recovery { values, covariance, own, common, .. } = &self.found;
+        let fits =
+            |round: &Moment| round.values.len() == parameters && round.errors.as_ref().is_none_or(|errors| errors.len() == parameters);
+        values.len() == parameters
+            && [covariance, own, common].iter().all(|matrix| matrix.is_finite_of(parameters))
+            && self.rounds.iter().all(fits)
     }
 }

@@ -145,7 +145,8 @@ fn arrays_are_bounded() {
     for words in ["-a 99999999", "-a 999999 -t 1 0 0 -a 999999"] {
         assert!(array(words).unwrap_err().to_string().contains("smaller array"), "{words}");
     }
-    let out = array("-i 99999999 -t 1 0 0").unwrap();
+    assert_eq!(array("-i 99999999 -t 1 0 0").unwrap().primitives[0].reals, [1e8, 0.0, 0.0, 1.0]);
+    let out = array("-i 2000 -s 2").unwrap();
     assert_eq!((out.primitives.len(), out.warnings.len()), (0, 2));
     assert_eq!(array("-a 400 -t 3 0 0 -a 300 -t 0 3 0").unwrap().primitives.len(), 120_000);
     let bomb: Vec<_> = (0..20).map(|i| (format!("{i}.rad"), format!("!xform -a 100 {}.rad", i + 1))).collect();

@@ -171,9 +171,9 @@ impl Date {
     /// Declination and solar time by the Astronomical Almanac's approximation (Michalsky 1988, Solar Energy 40 (3), appendix).
     fn almanac(&self, year: i32) -> (f64, f64) {
         let universal = self.hour + self.meridian().to_degrees() / 15.0;
-        let years = year - 1949;
+        let years = i64::from(year) - 1949;
         let leap = year % 4 == 0 && (year % 100 != 0 || year % 400 == 0);
-        let date = 32916.5 + f64::from(years) * 365.0 + f64::from(years / 4) + self.number(leap) as f64 + universal / 24.0;
+        let date = 32916.5 + (years * 365 + years / 4) as f64 + self.number(leap) as f64 + universal / 24.0;
         let n = date - 51545.0;
         let longitude = 280.460 + 0.9856474 * n;
         let anomaly = (357.528 + 0.9856003 * n).to_radians();
