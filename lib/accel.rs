@@ -70,7 +70,6 @@ pub struct Accel {
     ranks: Vec<Vec<Rank>>,
     /// Distances that differ by less are one place.
     tolerance: f64,
-    dropped: usize,
     depth: usize,
 }
 
@@ -203,11 +202,6 @@ impl Accel {
     /// The world box round all there is.
     pub fn bounds(&self) -> Bounds {
         self.space.bounds
-    }
-
-    /// How many triangles were left out: with corners that are not finite numbers below 1e100, or without area.
-    pub fn dropped(&self) -> usize {
-        self.dropped
     }
 
     /// How much memory the tree takes, without the meshes it was built from and without other trees in it.

@@ -4,10 +4,12 @@
 //! `wi.z > 0` is reflection and `wi.z < 0` transmission. Values include the cosine: they are f·|cos θ|, per unit solid angle.
 
 pub mod lobe;
+mod rough;
 pub mod smooth;
 
 use crate::color::{Rgb, bright};
-use crate::material::{Ashikhmin, FRESNEL_FROM, FunctionMaterial, Inside, Material, PURE, Reflectance};
+use crate::geometry::TINY;
+use crate::material::{FunctionMaterial, Inside, Material, Reflectance};
 use crate::pattern::{At, Functions, Seen};
 use crate::rules::Rules;
 use crate::sampling::{Sampler, cosine_hemisphere};
@@ -93,7 +95,7 @@ pub struct Lobe {
     /// Fraction of the light in it, per channel.
     pub color: Rgb,
     /// Which shape it has.
-    pub form: Form,
+    pub form: LobeForm,
     /// Squared roughness along the first and second tangent; of a power lobe, the powers.
     pub alpha: [f64; 2],
     /// Whether it takes part in gathering indirect light (if not, its colour has joined the diffuse part).
@@ -102,7 +104,7 @@ pub struct Lobe {
 
 /// The shapes of lobes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Form {
+pub enum LobeForm {
     /// Ward's Gaussian of slopes.
     Gaussian,
     /// Ashikhmin and Shirley's power of cosines. RADIANCE gathers indirect light with samples of it that all count alike.
@@ -158,11 +160,6 @@ pub struct Bsdf {
     functions: Option<Box<(Arc<Functions>, Seen)>>,
 }
 
-/// Whether a rough lobe of this share gathers indirect light (`-st`).
-fn gathers(rules: &Rules, share: f64) -> bool {
-    rules.specular_threshold < share - 1e-6 || rules.specular_threshold == 0.0
-}
-
 impl Bsdf {
     /// What `material` does at `point` with the pattern `pattern`.
     pub fn new(material: &Material, point: &Point, pattern: Rgb, rules: &Rules) -> Self {
@@ -207,27 +204,6 @@ impl Bsdf {
         bsdf
     }
 
-    /// ashik2. RADIANCE leaves out the Fresnel term of the diffuse part where it gathers indirect light.
-    fn ashikhmin(point: &Point, m: &Ashikhmin, pattern: Rgb, rules: &Rules) -> Self {
-        let mut bsdf = Self::black(point);
-        bsdf.diffuse[0] = m.diffuse * pattern;
-        bsdf.loss = Loss::Schlick;
-        bsdf.gather_diffuse(point);
-        if m.specular.max_element() > 1e-6 {
-            let color = m.specular + (Rgb::ONE - m.specular) * schlick(bsdf.to_viewer.z.max(0.001));
-            let alpha = bsdf.orient(point, m.powers, |[u, v]| {
-                let mean = 2.0 / (1.0 / (u + 1e-5) + 1.0 / (v + 1e-5));
-                [mean, mean]
-            });
-            let gathers = gathers(rules, bright(m.specular));
-            bsdf.lobes[0] = Some(Lobe { color, form: Form::Power, alpha, gathers });
-            if !gathers {
-                bsdf.ambient[0] += color;
-            }
-        }
-        bsdf
-    }
-
     /// Lets indirect light be scattered by the diffuse parts. A tilted shading normal must not lose light: the cosine lobe cut by the geometric
     /// horizon keeps (1 + cos)/2 of itself.
     fn gather_diffuse(&mut self, point: &Point) {
@@ -257,67 +233,6 @@ impl Bsdf {
         }
     }
 
-    /// Plastic, metal, trans, plastic2, metal2 and trans2.
-    pub fn reflectance(point: &Point, m: &Reflectance, rules: &Rules) -> Self {
-        let mut bsdf = Self::black(point);
-        let pure = m.isotropic && m.roughness[0].abs() <= PURE;
-        let polished = pure && m.specularity >= FRESNEL_FROM;
-        let f = if polished { bsdf.fresnel(rules) } else { 0.0 };
-        let specular = m.specularity + f * (1.0 - m.specularity);
-        let transmitted = m.transmission * (1.0 - specular);
-        let straight = transmitted * m.transmitted_specular;
-        let specular_color = match m.metal {
-            true if f > 1e-6 => Rgb::splat(f) + m.color * m.specularity * (1.0 - f),
-            true => m.color * specular,
-            false => Rgb::splat(specular),
-        };
-        bsdf.loss = if polished { Loss::Polished } else { Loss::None };
-        let share = |part: f64| if part > 1e-6 { m.color * part } else { Rgb::ZERO };
-        bsdf.diffuse = [share(1.0 - transmitted - specular), share(transmitted - straight)];
-        bsdf.gather_diffuse(point);
-        let straight_on = if point.bends { bend(point) } else { -point.to_viewer };
-        bsdf.straight = bsdf.frame.to_local(straight_on);
-        if pure {
-            if straight > 1e-6 {
-                bsdf.deltas[1] = Some(Delta { direction: straight_on, coefficient: m.color * straight, reflected: false, medium: None });
-            }
-            if specular > 1e-6 {
-                bsdf.deltas[0] = Some(Delta { direction: bsdf.mirror(point), coefficient: specular_color, reflected: true, medium: None });
-            }
-            return bsdf;
-        }
-        let alpha = match m.roughness.map(|r| r * r) {
-            alpha if m.isotropic => alpha,
-            alpha => bsdf.orient(point, alpha, |[u, v]| [(0.5 * (u + v)).max(1e-12); 2]),
-        };
-        let lobe = |weight: f64, color: Rgb| {
-            (weight > 1e-6).then_some(Lobe { color, form: Form::Gaussian, alpha, gathers: gathers(rules, weight) })
-        };
-        bsdf.lobes = [lobe(m.specularity, specular_color), lobe(straight, m.color * straight)];
-        for side in 0..2 {
-            if let Some(lobe) = bsdf.lobes[side].filter(|l| !l.gathers && bsdf.diffuse[side] != Rgb::ZERO) {
-                bsdf.ambient[side] += lobe.color;
-            }
-        }
-        bsdf
-    }
-
-    /// Turns the frame to an anisotropic lobe's tangent; returns the numbers of the lobe along its axes, which are `[u, v]`, or the same
-    /// `mean` of them along both where the tangent has no direction. One that is round is turned, too: it may stand for an unknown that is not.
-    fn orient(&mut self, point: &Point, [u, v]: [f64; 2], mean: impl Fn([f64; 2]) -> [f64; 2]) -> [f64; 2] {
-        let across = point.shading.cross(point.orientation);
-        if across.length_squared() <= 1e-12 * point.orientation.length_squared() || across == Vec3::ZERO {
-            return if u == v { [u, v] } else { mean([u, v]) };
-        }
-        let t = across.normalize();
-        let to_world = self.frame;
-        self.frame = Frame { s: t.cross(point.shading), t, n: point.shading };
-        for v in [&mut self.to_viewer, &mut self.geometric, &mut self.straight] {
-            *v = self.frame.to_local(to_world.to_world(*v));
-        }
-        [u, v]
-    }
-
     /// What a polished surface reflects toward the viewer whatever it is made of.
     pub fn fresnel(&self, rules: &Rules) -> f64 {
         fresnel(self.to_viewer.z.max(0.001), rules.fresnel_offset)
@@ -327,7 +242,7 @@ impl Bsdf {
     pub fn mirror(&self, point: &Point) -> Vec3 {
         let at = |normal: Vec3| normal * (2.0 * normal.dot(point.to_viewer)) - point.to_viewer;
         let direction = at(point.shading);
-        if self.bent && direction.dot(point.geometric) <= 1e-6 { at(point.geometric) } else { direction }
+        if self.bent && direction.dot(point.geometric) <= TINY { at(point.geometric) } else { direction }
     }
 
     /// The local form of a world direction.
@@ -366,7 +281,7 @@ impl Bsdf {
                 let mut highlight = lobe.map_or(Rgb::ZERO, |lobe| lobe.color * (specular * self.highlight(lobe, side, wi, omega, rules)));
                 if let Some((functions, seen)) = self.functions.as_deref() {
                     let value = functions.source(seen, self.to_world(wi), omega);
-                    if bright(value) > 1e-6 {
+                    if bright(value) > TINY {
                         highlight += value * (specular * wi.z.abs());
                     }
                 }
@@ -374,7 +289,7 @@ impl Bsdf {
             }
             Arriving::Indirect if !self.passes(wi) => Rgb::ZERO,
             Arriving::Indirect => {
-                let gathered = lobe.filter(|l| l.gathers && l.form == Form::Gaussian).map_or(Rgb::ZERO, |lobe| {
+                let gathered = lobe.filter(|l| l.gathers && l.form == LobeForm::Gaussian).map_or(Rgb::ZERO, |lobe| {
                     let value = if side == 0 {
                         reflection(rules.lobe, lobe.alpha, self.to_viewer, wi) * self.tilt(wi)
                     } else {
@@ -425,7 +340,7 @@ impl Bsdf {
 
     /// Whether a part's samples all count alike, as in RADIANCE, instead of being weighted.
     pub fn is_unweighted(&self, part: Part) -> bool {
-        !part.diffuse() && self.lobes[part.side()].is_some_and(|l| l.form == Form::Power)
+        !part.diffuse() && self.lobes[part.side()].is_some_and(|l| l.form == LobeForm::Power)
     }
 
     /// What is added to the squared roughness of the lobe on a side for a lamp that one sample of solid angle `omega` stands for.
@@ -440,7 +355,7 @@ impl Bsdf {
     /// A rough lobe for a lamp that one sample of solid angle `omega` stands for, without its colour.
     fn highlight(&self, lobe: &Lobe, side: usize, wi: Vec3, omega: f64, rules: &Rules) -> f64 {
         let alpha = lobe.alpha.map(|a| a + self.widened(side, omega, rules));
-        let value = if lobe.form == Form::Power {
+        let value = if lobe.form == LobeForm::Power {
             power_reflection(lobe.alpha, self.to_viewer, wi)
         } else if side == 0 {
             reflection(rules.lobe, alpha, self.to_viewer, wi)
@@ -449,13 +364,13 @@ impl Bsdf {
         };
         // RADIANCE drops the tail of a lobe.
         let negligible = rules.light_jitter.is_some()
-            && value <= 1e-6 * if side == 0 { wi.z } else { (wi.z.abs() / self.to_viewer.z.max(0.001)).sqrt() };
+            && value <= TINY * if side == 0 { wi.z } else { (wi.z.abs() / self.to_viewer.z.max(0.001)).sqrt() };
         if negligible { 0.0 } else { value }
     }
 
     /// Whether a local direction is on the same side of the surface as of the shading normal.
     pub fn passes(&self, wi: Vec3) -> bool {
-        (wi.dot(self.geometric) > 1e-6) == (wi.z > 0.0) && wi.z != 0.0
+        (wi.dot(self.geometric) > TINY) == (wi.z > 0.0) && wi.z != 0.0
     }
 
     fn through_pdf(&self, lobe: &Lobe, wi: Vec3) -> f64 {
@@ -480,7 +395,7 @@ impl Bsdf {
         let wi = match part {
             Part::DiffuseReflection | Part::DiffuseTransmission => part.lambert(u),
             Part::SpecularReflection => match self.lobes[0]? {
-                Lobe { form: Form::Power, alpha, .. } => sample_power(alpha, self.to_viewer, u),
+                Lobe { form: LobeForm::Power, alpha, .. } => sample_power(alpha, self.to_viewer, u),
                 Lobe { alpha, .. } => sample_reflection(alpha, self.to_viewer, u),
             },
             Part::SpecularTransmission => sample_transmission(self.lobes[1]?.alpha, self.straight, u),
@@ -504,17 +419,11 @@ impl Bsdf {
     /// accepted within ten tries. Below 1, `-ss` narrows the lobe; at 0 it is a mirror.
     pub fn unweighted(&self, part: Part, spread: f64, sampler: &mut Sampler) -> Option<(Vec3, Rgb)> {
         let lobe = self.lobes[part.side()].filter(|l| l.gathers)?;
-        let (color, spread) = (lobe.color, if lobe.form == Form::Power { 1.0 } else { spread });
+        let (color, spread) = (lobe.color, if lobe.form == LobeForm::Power { 1.0 } else { spread });
         let tries = if spread == 0.0 { 1 } else { 10 };
         (0..tries).find_map(|_| {
             let [u, v] = if spread == 0.0 { [0.0; 2] } else { sampler.pair() };
             self.sample(part, [spread * u, v]).map(|wi| (wi, color))
         })
     }
-}
-
-/// The straight-through direction bent by a texture, unless that would not go through.
-fn bend(point: &Point) -> Vec3 {
-    let bent = -point.to_viewer - point.perturbation;
-    if bent.dot(point.geometric) < -1e-6 { bent.normalize() } else { -point.to_viewer }
 }

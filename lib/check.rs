@@ -108,14 +108,8 @@ impl Checker<'_> {
     fn surface(&mut self, i: usize, resolve: &dyn Resolve) {
         let primitive = &self.primitives[i];
         match primitive.kind.as_str() {
-            "source" => match primitive.reals[..] {
-                [x, y, z, _] if x == 0.0 && y == 0.0 && z == 0.0 => self.error(primitive.real_error(0, "the direction has no length")),
-                [.., angle] if primitive.reals.len() == 4 && angle <= 0.0 => {
-                    self.error(primitive.real_error(3, "the angle must be positive"))
-                }
-                [_, _, _, _] => {}
-                _ => self.error(primitive.error(format!("source needs 4 real arguments, not {}", primitive.reals.len()))),
-            },
+            // The renderer says what is wrong with it.
+            "source" => {}
             "mesh" | "instance" => self.file(primitive, resolve),
             _ => match Shape::read(primitive, &mut self.problems.warnings) {
                 Ok(shape) => self.material(i, shape),

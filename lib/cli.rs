@@ -4,7 +4,7 @@
 //! answers yes or no, or stops: with an error, or because nobody reads its output any more.
 
 pub use disk::Disk;
-pub use scene::{documents, list, typed, view};
+pub use scene::{documents, list, typed, view, world};
 pub use signal::interrupted;
 pub use stream::{Input, Output};
 
@@ -20,8 +20,10 @@ pub mod exec;
 pub mod film;
 pub mod kept;
 pub mod photo;
+pub mod picture;
 pub mod predict;
 pub mod rays;
+pub mod recovery;
 pub mod report;
 pub mod search;
 
@@ -133,7 +135,8 @@ impl Console {
         Self { tool, trail, quiet, progress, shown: Mutex::default() }
     }
 
-    /// The command line, without what cannot change the result (`-n`, `-q`, `--progress`), for the header of a picture.
+    /// The command line for the header of a picture: without the options that cannot change it, as `-n`, `-q` and where it and what is told beside
+    /// it are written.
     pub fn trail(&self) -> &str {
         &self.trail
     }

@@ -21,7 +21,7 @@ pub use shape::Shape;
 
 use crate::vector::Vec3;
 
-/// The distance below which RADIANCE takes two places for one (its FTINY), in scenes of ordinary size.
+/// RADIANCE's FTINY. What is no larger is nothing to it: a distance in scenes of ordinary size, a share of the light, a cosine.
 pub const TINY: f64 = 1e-6;
 
 /// RADIANCE's infinity: how far what is beyond all surfaces is.
@@ -91,6 +91,7 @@ impl Bounds {
     }
 
     /// Whether the point is inside or on a face.
+    #[cfg(test)]
     pub fn contains(&self, p: Vec3) -> bool {
         self.min.cmple(p).all() && p.cmple(self.max).all()
     }

@@ -3,7 +3,7 @@
 //! A lamp is a surface or a distant source whose material is a light, a spotlight, an illum, or a glow with a radius. Directions
 //! point from the lit point to the lamp. How bright it is there is the world's to say.
 
-use crate::geometry::{AreaSampler, Facing, LightShape, Plane, Ray, SPHERE_BOX, Shape};
+use crate::geometry::{AreaSampler, Facing, LightShape, Plane, Ray, SPHERE_BOX, Shape, TINY};
 use crate::sampling::cone;
 use crate::vector::{Frame, Vec3};
 use std::f64::consts::PI;
@@ -268,7 +268,7 @@ impl Parts {
     fn of(light: &LightShape, distant: bool, from: Vec3, fraction: f64) -> Self {
         let whole = Part { middle: [0.0; 3], size: [1.0; 3] };
         let mut parts = Self { parts: [whole; MOST_PARTS], count: 1 };
-        if distant || !(fraction > 1e-6) {
+        if distant || !(fraction > TINY) {
             return parts;
         }
         let [u, v, _] = light.half_edges;

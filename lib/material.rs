@@ -119,7 +119,7 @@ impl Inside {
             return Rgb::ONE;
         }
         let through = |x: f64| {
-            if x <= 1e-6 {
+            if x <= TINY {
                 1.0
             } else if x > 92.0 {
                 0.0
@@ -173,71 +173,43 @@ pub fn is_of_lamps(primitive: &Primitive) -> bool {
 impl Material {
     /// The material that `primitive` defines. `None` if its type is not a material that is rendered.
     pub fn of(primitive: &Primitive, sources: &mut Sources) -> Result<Option<Self>> {
+        primitive.complete_reals()?;
         let a = Arguments(primitive);
         Ok(Some(match primitive.kind.as_str() {
-            "plastic" | "metal" => {
-                a.count(&[5])?;
-                Self::Reflectance(a.reflectance(1))
-            }
-            "trans" => {
-                a.count(&[7])?;
-                Self::Reflectance(Reflectance { transmission: a.real(5), transmitted_specular: a.real(6), ..a.reflectance(1) })
-            }
+            "plastic" | "metal" => Self::Reflectance(a.reflectance(1)),
+            "trans" => Self::Reflectance(Reflectance { transmission: a.real(5), transmitted_specular: a.real(6), ..a.reflectance(1) }),
             "plastic2" | "metal2" => {
-                a.count(&[6])?;
                 a.rough()?;
                 Self::Reflectance(a.reflectance(2))
             }
             "trans2" => {
-                a.count(&[8])?;
                 a.rough()?;
                 Self::Reflectance(Reflectance { transmission: a.real(6), transmitted_specular: a.real(7), ..a.reflectance(2) })
             }
-            "ashik2" => {
-                a.count(&[8])?;
-                Self::Ashikhmin(Ashikhmin { diffuse: a.rgb(0), specular: a.rgb(3), powers: [a.real(6), a.real(7)] })
-            }
+            "ashik2" => Self::Ashikhmin(Ashikhmin { diffuse: a.rgb(0), specular: a.rgb(3), powers: [a.real(6), a.real(7)] }),
             "BRTDfunc" => {
-                if primitive.reals.len() < 9 {
-                    a.count(&[9])?;
-                }
                 let Some(functions) = Functions::compile(primitive, sources)? else { return Ok(None) };
                 Self::Functions(FunctionMaterial { diffuse: [a.rgb(0), a.rgb(3)], through: a.rgb(6), functions: Arc::new(functions) })
             }
             "antimatter" => {
-                a.count(&[0])?;
                 if primitive.strings.is_empty() {
                     return Err(primitive.error(format!("antimatter `{}` needs the names of what it removes", primitive.name)));
                 }
                 Self::Antimatter
             }
-            "dielectric" => {
-                a.count(&[5])?;
-                Self::Dielectric(Medium { transmissivity: a.rgb(0), index: hartmann(a.real(3), a.real(4)) })
-            }
+            "dielectric" => Self::Dielectric(Medium { transmissivity: a.rgb(0), index: hartmann(a.real(3), a.real(4)) }),
             "interface" => {
-                a.count(&[8])?;
                 let medium = |i: usize| Medium { transmissivity: a.rgb(i), index: a.real(i + 3) };
                 Self::Interface(medium(0), medium(4))
             }
             "glass" => {
-                a.count(&[3, 4])?;
                 Self::Glass(Medium { transmissivity: a.rgb(0), index: if primitive.reals.len() == 4 { a.real(3) } else { GLASS_INDEX } })
             }
-            "mirror" => {
-                a.count(&[3])?;
-                Self::Mirror(a.rgb(0))
-            }
-            "light" | "illum" => {
-                a.count(&[3])?;
-                if primitive.kind == "light" { Self::Light(a.rgb(0)) } else { Self::Illum(a.rgb(0)) }
-            }
-            "glow" => {
-                a.count(&[4])?;
-                Self::Glow(a.rgb(0), a.real(3))
-            }
+            "mirror" => Self::Mirror(a.rgb(0)),
+            "light" => Self::Light(a.rgb(0)),
+            "illum" => Self::Illum(a.rgb(0)),
+            "glow" => Self::Glow(a.rgb(0), a.real(3)),
             "spotlight" => {
-                a.count(&[7])?;
                 let aim = Vec3::new(a.real(4), a.real(5), a.real(6));
                 if aim == Vec3::ZERO {
                     return Err(primitive.real_error(4, "the aim of a spotlight must not be zero"));
@@ -311,15 +283,6 @@ impl Material {
 struct Arguments<'a>(&'a Primitive);
 
 impl Arguments<'_> {
-    fn count(&self, allowed: &[usize]) -> Result<()> {
-        let (p, given) = (self.0, self.0.reals.len());
-        if allowed.contains(&given) {
-            return Ok(());
-        }
-        let wanted = allowed.iter().map(usize::to_string).collect::<Vec<_>>().join(" or ");
-        Err(p.error(format!("{} `{}` has {given} real arguments; it needs {wanted}", p.kind, p.name)))
-    }
-
     fn real(&self, i: usize) -> f64 {
         self.0.reals[i]
     }
@@ -330,8 +293,8 @@ impl Arguments<'_> {
 
     /// Refuses roughnesses that an anisotropic lobe cannot have, as RADIANCE does.
     fn rough(&self) -> Result<()> {
-        match [4, 5].into_iter().find(|&i| !(self.real(i) > 1e-6)) {
-            Some(i) => Err(self.0.real_error(i, format!("the roughness of {} must be above 1e-6", self.0.kind))),
+        match [4, 5].into_iter().find(|&i| !(self.real(i) > TINY)) {
+            Some(i) => Err(self.0.real_error(i, format!("the roughness of {} must be above {TINY}", self.0.kind))),
             None => Ok(()),
         }
     }

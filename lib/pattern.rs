@@ -102,19 +102,6 @@ impl Pattern {
     pub fn evaluate(&self, at: &At) -> std::result::Result<Rgb, Failed> {
         self.kind.values(&self.frame, at)
     }
-
-    /// The factor, if it is the same everywhere.
-    pub fn constant(&self) -> Option<Rgb> {
-        self.kind.constant()
-    }
-
-    /// The picture and how it is mapped, if there is one.
-    pub fn picture(&self) -> Option<(&Arc<Raster>, &Mapping)> {
-        match &self.kind {
-            Kind::Picture(raster, mapping, _) => Some((raster, mapping)),
-            _ => None,
-        }
-    }
 }
 
 impl Texture {
@@ -167,21 +154,9 @@ impl Mixture {
     pub fn coefficient(&self, at: &At) -> std::result::Result<f64, Failed> {
         Ok(self.kind.values(&self.frame, at)?.x.clamp(0.0, 1.0))
     }
-
-    /// The share of the foreground, if it is the same everywhere.
-    pub fn constant(&self) -> Option<f64> {
-        self.kind.constant().map(|values| values.x.clamp(0.0, 1.0))
-    }
 }
 
 impl Kind {
-    fn constant(&self) -> Option<Vec3> {
-        match self {
-            Self::Constant(values) => Some(*values),
-            _ => None,
-        }
-    }
-
     /// The values at a hit. What most environments are, a picture by the direction of a ray, is looked up without further ado.
     #[inline]
     fn values(&self, frame: &Frame, at: &At) -> std::result::Result<Vec3, Failed> {

@@ -1,8 +1,9 @@
-//! A picture: pixels and their trail (the header). Bytes become pictures and pictures bytes in the rooms below this one.
+//! A picture: pixels and their trail (the header). Bytes become pictures and pictures bytes in its formats, [`hdr`] and [`exr`].
 //!
 //! Rows stand top to bottom, pixels left to right, whatever the order in the file. Values are as stored: RADIANCE's pictures
 //! say in their header by what the radiance was multiplied, and [`Picture::radiance`] undoes it.
 
+use crate::color::{WHITE_EFFICACY, of_pixel, to_pixel};
 use crate::error::{Error, Result};
 use crate::vector::{Mat3, Vec3};
 
@@ -156,14 +157,12 @@ impl Picture {
         let (exposure, correction) = (self.header.exposure(), self.header.colorcorr());
         let mut matrix = Mat3::from_diagonal(Vec3::from(correction.map(|c| 1.0 / (exposure * c))));
         if self.header.format == Format::Xyz {
-            matrix = xyz_to_rgb() * matrix * (1.0 / crate::color::WHITE_EFFICACY);
+            matrix = xyz_to_rgb() * matrix * (1.0 / WHITE_EFFICACY);
         }
         self.header.format = Format::Rgb;
         self.header.lines.retain(|line| !line.starts_with("EXPOSURE=") && !line.starts_with("COLORCORR="));
         if matrix != Mat3::IDENTITY {
-            for pixel in &mut self.pixels {
-                *pixel = (matrix * Vec3::from(pixel.map(f64::from))).to_array().map(|v| v as f32);
-            }
+            self.pixels.iter_mut().for_each(|pixel| *pixel = to_pixel(matrix * of_pixel(*pixel)));
         }
         self
     }

@@ -113,18 +113,18 @@ impl Primitive {
 
     /// Errors unless it has as many arguments as its type takes.
     pub fn complete(&self) -> Result<()> {
-        let Some(&Type { name, strings: (least, most), ref reals, .. }) = self.type_of() else { return Ok(()) };
-        let (strings, count) = (self.strings.len(), self.reals.len());
+        let Some(&Type { name, strings: (least, most), .. }) = self.type_of() else { return Ok(()) };
+        let strings = self.strings.len();
         if strings < least || strings > most {
             let needed = if most == least { least.to_string() } else { format!("{least} or more") };
             return Err(self.error(format!("{name} needs {needed} string arguments, not {strings}")));
         }
-        let (fits, needed) = match reals {
-            Reals::Of(counts) => (counts.contains(&count), counts.iter().map(usize::to_string).collect::<Vec<_>>().join(" or ")),
-            Reals::From(least) => (count >= *least, format!("{least} or more")),
-            Reals::Vertices => (count >= 9 && count.is_multiple_of(3), "three for each of at least three vertices".into()),
-        };
-        if fits { Ok(()) } else { Err(self.error(format!("{name} needs {needed} real arguments, not {count}"))) }
+        self.complete_reals()
+    }
+
+    /// Errors if it has not as many real arguments as its type takes.
+    pub fn complete_reals(&self) -> Result<()> {
+        self.type_of().map_or(Ok(()), |kind| kind.takes(self.reals.len())).map_err(|message| self.error(message))
     }
 
     /// An error at the statement's type.

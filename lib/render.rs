@@ -54,8 +54,8 @@ impl Budget {
 /// The relative standard error that is asked for when nothing is.
 pub const DEFAULT_ERROR: f64 = 0.05;
 
-/// Origin, unit direction and length limit of the ray of a sample of a pixel, for numbers in [0, 1) that say where in it, the same light for each
-/// part of them; `None` outside the view.
+/// Origin, unit direction and length limit of the ray of a sample of a pixel, for two uniform numbers in [0, 1), which [`Film::filter`] takes to a
+/// place in the pixel or beside it; `None` outside the view.
 pub type Lens<'a> = &'a (dyn Fn(usize, [f64; 2]) -> Option<(Vec3, Vec3, f64)> + Sync);
 
 /// A camera and the pixels behind it.

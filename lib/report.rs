@@ -179,7 +179,7 @@ impl Report<'_> {
         let Some(kind) = Kind::named(self.kind) else { return String::new() };
         let [diffuse, through, specular, straight] = parts(kind, self.reals);
         let angle = |a: &f64| format!("±{}°", brief(2.0 * a.abs().atan().to_degrees()));
-        let roughness = &self.reals[4..if kind.anisotropic { 6 } else { 5 }];
+        let roughness = &self.reals[kind.roughnesses()];
         let lobe = roughness.iter().map(angle).collect::<Vec<_>>().join(" and ");
         let mut rows = vec![("scattered evenly".to_string(), diffuse), (format!("mirrored within {lobe}"), specular)];
         if kind.transmits {

@@ -19,6 +19,18 @@ pub fn one_minus_cos(angle: f64) -> f64 {
     2.0 * sine * sine
 }
 
+/// The two axes along which a plane with this normal is seen least foreshortened, in the order that makes a right-handed system with the third.
+pub fn across(normal: Vec3) -> [usize; 2] {
+    let a = normal.abs();
+    if a.x >= a.y && a.x >= a.z {
+        [1, 2]
+    } else if a.y >= a.z {
+        [2, 0]
+    } else {
+        [0, 1]
+    }
+}
+
 /// A right-handed orthonormal basis whose third axis is a given direction.
 #[derive(Clone, Copy, Debug)]
 pub struct Frame {

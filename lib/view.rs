@@ -4,6 +4,7 @@
 //! coordinates run from 0 to 1, x to the right and y up.
 
 use crate::error::{Error, Result};
+use crate::geometry::TINY;
 use crate::vector::Vec3;
 use std::f64::consts::PI;
 
@@ -18,9 +19,6 @@ pub fn option_values(name: &str) -> Option<usize> {
 
 /// Programs whose command lines in a header hold view options, and the mark of a line that holds nothing else. What begins so counts.
 const VIEW_LINES: [&str; 8] = ["VIEW=", "rpict", "rvu", "rpiece", "rxpiece", "pinterp", "rview", "rtrace-rs"];
-
-/// Planes nearer than this to the viewpoint, and sizes smaller than this, are none.
-const TINY: f64 = 1e-6;
 
 /// Views are alike up to so much.
 const ALIKE: f64 = 0.01;

@@ -21,7 +21,7 @@ const SMALL: f64 = 1024.0;
 const FEW: usize = 64;
 
 impl Accel {
-    /// The tree over these surfaces. Refuses more than 2³⁰ triangles and surfaces together, groups more than [`LEVELS`] deep, and transforms
+    /// The tree over these surfaces. Triangles with corners that are not finite numbers below 1e100, or without area, are left out. Refuses more than 2³⁰ triangles and surfaces together, groups more than [`LEVELS`] deep, and transforms
     /// that are no similarity with an inverse.
     pub fn build(surfaces: Vec<Surface>) -> Result<Self> {
         let mut uses: HashMap<*const Mesh, usize> = HashMap::new();
@@ -97,7 +97,6 @@ impl Accel {
                 }
             }
         }
-        let dropped = total - primitives.len();
         let space = Space::new(bounds);
         let corners = |primitive: u32| {
             let (surface, triangle) = primitives[primitive as usize];
@@ -126,7 +125,7 @@ impl Accel {
                 placed.moved = None
             }
         });
-        Ok(Self { tree, space, surfaces, ranks, tolerance: tolerance(bounds.size()), dropped, depth })
+        Ok(Self { tree, space, surfaces, ranks, tolerance: tolerance(bounds.size()), depth })
     }
 }
 

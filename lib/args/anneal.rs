@@ -185,7 +185,8 @@ pub struct SearchOptions {
     #[arg(long, value_name = "N")]
     pub steps: Option<usize>,
 
-    /// Search for about S seconds
+    /// Search for about S seconds; without --exec and --direct for as long as the first answer takes, if that is longer: half a second mostly, one
+    /// to three for what is clear
     #[arg(long, value_name = "S")]
     pub time: Option<f64>,
 

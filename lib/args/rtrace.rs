@@ -1,12 +1,16 @@
-//! What a person types to `rtrace-rs`, and what it means as [`Rules`] and [`Budget`].
+//! What a person types to `rtrace-rs`, and what it means as [`Rules`] and a budget.
 
 mod accuracy;
 mod explain;
 mod modes;
+mod rays;
+mod tuning;
 
 pub use accuracy::Accuracy;
 pub use explain::{FEATURES, defaults, explain, has};
 pub use modes::ends_in;
+pub use rays::RayOptions;
+pub use tuning::Tuning;
 
 use super::{Common, Radius, Scenes, ViewWords, radius};
 use crate::color::Rgb;
@@ -134,7 +138,7 @@ pub struct PictureOptions {
     #[arg(long, value_name = "ID", conflicts_with_all = ["variance", "aov"])]
     pub coverage: Option<String>,
 
-    /// Red, green and blue [default]
+    /// Red, green and blue (the default)
     #[arg(long = "pRGB")]
     pub rgb: bool,
 
@@ -161,7 +165,7 @@ pub struct PictureOptions {
 
 impl PictureOptions {
     /// Refuses primaries other than RADIANCE's.
-    pub fn possible(&self) -> Result<()> {
+    pub fn check(&self) -> Result<()> {
         let own = PRIMARIES.iter().flatten();
         match &self.pc {
             Some(given) if given.iter().zip(own).any(|(a, b)| (a - b).abs() > 1e-3) => {
@@ -169,6 +173,26 @@ impl PictureOptions {
             }
             _ => Ok(()),
         }
+    }
+
+    /// The largest width and height of a picture, pixels.
+    pub fn size(&self) -> (usize, usize) {
+        (self.x.unwrap_or(512), self.y.unwrap_or(512))
+    }
+
+    /// How many rays make a line, and how many lines are answered; 0 for any number.
+    pub fn lines(&self) -> (usize, usize) {
+        (self.x.unwrap_or(0), self.y.unwrap_or(0))
+    }
+
+    /// The height of a pixel over its width; 0 if the size is kept as it is.
+    pub fn aspect(&self) -> f64 {
+        self.pa.unwrap_or(1.0)
+    }
+
+    /// The diameter of the lens.
+    pub fn aperture(&self) -> f64 {
+        self.pd.unwrap_or(0.0)
     }
 
     /// Which of the light around its centre a pixel takes in.
@@ -186,49 +210,6 @@ impl PictureOptions {
             _ => Space::Rgb,
         }
     }
-}
-
-/// How rays are read and what is said of them.
-#[derive(clap::Args, Clone, Debug, Default)]
-#[command(next_help_heading = "Ray options (without a view)")]
-pub struct RayOptions {
-    /// Form of the input and of the output: a text, f single, d double precision, c RGBE (output) [default: a]
-    #[arg(long, value_name = "IO")]
-    pub format: Option<String>,
-
-    /// What to say of each ray, letter by letter: o origin, d direction, v value, V contribution, w weight, W coefficient, l effective length,
-    /// L length, c local coordinates, p point, n normal, N unperturbed normal, s surface, m modifier, M material, r x mirrored and
-    /// unmirrored part, R X their lengths, ~ a tilde; after t (T: with shadow rays) for every ray it leads to [default: v]
-    #[arg(long, value_name = "LETTERS")]
-    pub specifiers: Option<String>,
-
-    /// Write a header [default: on]
-    #[arg(long = "h")]
-    pub header: Option<bool>,
-
-    /// Each ray ends where the vector of its direction does
-    #[arg(long = "ld")]
-    pub limit: Option<bool>,
-
-    /// Irradiance at the point, on the side the direction points to
-    #[arg(long = "I")]
-    pub point_irradiance: Option<bool>,
-
-    /// After -ot: leave out rays that meet this modifier
-    #[arg(long = "te", value_name = "MOD", action = ArgAction::Append)]
-    pub exclude: Vec<String>,
-
-    /// After -ot: only rays that meet this modifier
-    #[arg(long = "ti", value_name = "MOD", action = ArgAction::Append)]
-    pub include: Vec<String>,
-
-    /// The same, for the modifiers listed in a file
-    #[arg(long = "tE", value_name = "FILE", action = ArgAction::Append)]
-    pub exclude_files: Vec<String>,
-
-    /// The same, for the modifiers listed in a file
-    #[arg(long = "tI", value_name = "FILE", action = ArgAction::Append)]
-    pub include_files: Vec<String>,
 }
 
 /// Light transport, in RADIANCE's options. What is not given is not limited.
@@ -321,92 +302,6 @@ pub struct Light {
     pub tuning: Tuning,
 }
 
-/// Options of RADIANCE that only tune its approximations, or that this program has no use for.
-#[derive(clap::Args, Clone, Debug, Default)]
-pub struct Tuning {
-    /// Ambient accuracy
-    #[arg(long = "aa", hide = true, value_name = "F")]
-    pub aa: Option<f64>,
-    /// Ambient resolution
-    #[arg(long = "ar", hide = true, value_name = "N")]
-    pub ar: Option<i64>,
-    /// Ambient divisions
-    #[arg(long = "ad", hide = true, value_name = "N")]
-    pub ad: Option<i64>,
-    /// Ambient super-samples
-    #[arg(long = "as", hide = true, value_name = "N")]
-    pub r#as: Option<i64>,
-    /// Ambient weight
-    #[arg(long = "aw", hide = true, value_name = "N")]
-    pub aw: Option<i64>,
-    /// Ambient file
-    #[arg(long = "af", hide = true, value_name = "FILE")]
-    pub af: Option<String>,
-    /// Pixel sampling
-    #[arg(long = "ps", hide = true, value_name = "N")]
-    pub ps: Option<i64>,
-    /// Pixel threshold
-    #[arg(long = "pt", hide = true, value_name = "F")]
-    pub pt: Option<f64>,
-    /// Pixel motion
-    #[arg(long = "pm", hide = true, value_name = "F")]
-    pub pm: Option<f64>,
-    /// Time between reports
-    #[arg(long = "t", hide = true, value_name = "S")]
-    pub t: Option<f64>,
-    /// Shadow threshold
-    #[arg(long = "dt", hide = true, value_name = "F")]
-    pub dt: Option<f64>,
-    /// Shadow certainty
-    #[arg(long = "dc", hide = true, value_name = "F")]
-    pub dc: Option<f64>,
-    /// Virtual light pretest
-    #[arg(long = "dp", hide = true, value_name = "N")]
-    pub dp: Option<i64>,
-    /// Albedo of the medium
-    #[arg(long = "ma", hide = true, value_names = ["R", "G", "B"], num_args = 3)]
-    pub ma: Option<Vec<f64>>,
-    /// Eccentricity of the medium
-    #[arg(long = "mg", hide = true, value_name = "F")]
-    pub mg: Option<f64>,
-    /// Sampling distance in the medium
-    #[arg(long = "ms", hide = true, value_name = "F")]
-    pub ms: Option<f64>,
-    /// Photon search radius
-    #[arg(long = "am", hide = true, value_name = "F")]
-    pub am: Option<f64>,
-    /// Spectral samples
-    #[arg(long = "cs", hide = true, value_name = "N")]
-    pub cs: Option<i64>,
-    /// Wavelengths
-    #[arg(long = "cw", hide = true, value_names = ["NM", "NM"], num_args = 2)]
-    pub cw: Option<Vec<f64>>,
-    /// Uncorrelated sampling
-    #[arg(long = "u", hide = true)]
-    pub u: Option<bool>,
-    /// Spectral output
-    #[arg(long = "co", hide = true)]
-    pub co: Option<bool>,
-    /// Recover a picture
-    #[arg(long = "r", hide = true, value_name = "FILE")]
-    pub r: Option<String>,
-    /// Recover a picture in its place
-    #[arg(long = "ro", hide = true, value_name = "FILE")]
-    pub ro: Option<String>,
-    /// A sequence of views
-    #[arg(long = "S", hide = true, value_name = "N")]
-    pub sequence: Option<i64>,
-    /// Stay in memory
-    #[arg(long = "P", hide = true, value_name = "FILE")]
-    pub persist: Option<String>,
-    /// Stay in memory, many times
-    #[arg(long = "PP", hide = true, value_name = "FILE")]
-    pub persist_parallel: Option<String>,
-    /// Warnings [default: on]
-    #[arg(long = "w")]
-    pub w: Option<bool>,
-}
-
 impl AsRef<Common> for Arguments {
     fn as_ref(&self) -> &Common {
         &self.common
@@ -425,7 +320,7 @@ impl Light {
     pub fn rules(&self, list: &dyn Fn(&str) -> Result<Vec<String>>) -> Result<Rules> {
         let default = Rules::default();
         let color = |v: &Option<Vec<f64>>, other: Rgb| v.as_ref().map_or(other, |v| Rgb::new(v[0], v[1], v[2]));
-        self.possible()?;
+        self.check()?;
         let excluded = modifiers(&self.ae, &self.ae_files, list)?;
         let included = modifiers(&self.ai, &self.ai_files, list)?;
         let refusal = "-ae and -ai exclude each other: give either what gathers light or what does not";
@@ -454,7 +349,7 @@ impl Light {
     }
 
     /// Refuses what has no meaning here.
-    fn possible(&self) -> Result<()> {
+    fn check(&self) -> Result<()> {
         let Tuning { ma, pm, cs, am, r, ro, sequence, persist, persist_parallel, .. } = &self.tuning;
         let refused = [
             (
@@ -480,22 +375,15 @@ impl Light {
         if cs.is_some_and(|n| n > 3) {
             return Err(Error::new("-cs: more than three spectral samples are not supported"));
         }
-        if let Some(bad) = self.lw.filter(|w| !(*w >= 0.0)) {
-            return Err(Error::new(format!("-lw must be 0 or more, not {bad}")));
+        for (option, value) in [("-lw", self.lw), ("-ss", self.ss)] {
+            if let Some(bad) = value.filter(|v| !(*v >= 0.0)) {
+                return Err(Error::new(format!("{option} must be 0 or more, not {bad}")));
+            }
         }
         if self.lw == Some(0.0) && self.lr.is_some_and(|lr| lr <= 0) {
             return Err(Error::new("-lw 0 leaves nothing for roulette to go by; give -lr above 0, or -lw above 0"));
         }
         Ok(())
-    }
-}
-
-impl RayOptions {
-    /// The modifiers of what is told of (true), or is not (false). `list` gives the words of a file of modifiers.
-    pub fn among(&self, list: &dyn Fn(&str) -> Result<Vec<String>>) -> Result<Option<(bool, HashSet<String>)>> {
-        let excluded = modifiers(&self.exclude, &self.exclude_files, list)?;
-        let included = modifiers(&self.include, &self.include_files, list)?;
-        either(excluded, included, "-te and -ti exclude each other: give either what is told of or what is not")
     }
 }
 

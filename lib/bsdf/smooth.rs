@@ -2,6 +2,7 @@
 
 use super::{Bsdf, Delta, Point};
 use crate::color::Rgb;
+use crate::geometry::TINY;
 use crate::material::{Inside, Medium};
 use crate::rules::Rules;
 use crate::vector::Vec3;
@@ -17,7 +18,7 @@ impl Bsdf {
         let mirror = |coefficient: f64| Delta { direction, coefficient: Rgb::splat(coefficient), reflected: true, medium: None };
         let k = 1.0 - eta * eta * (1.0 - cos * cos);
         // Also true of an index that is none: then everything is reflected.
-        if !(1e-6..f64::INFINITY).contains(&k) {
+        if !(TINY..f64::INFINITY).contains(&k) {
             bsdf.deltas[0] = Some(mirror(1.0));
             return bsdf;
         }
@@ -25,7 +26,7 @@ impl Bsdf {
         let reflected = reflectance(cos, cos_beyond, eta);
         let refracted = |normal: Vec3| (-point.to_viewer * eta + normal * (eta * cos - cos_beyond)).normalize();
         let mut direction = refracted(point.shading);
-        if point.perturbation != Vec3::ZERO && direction.dot(point.geometric) >= -1e-6 {
+        if point.perturbation != Vec3::ZERO && direction.dot(point.geometric) >= -TINY {
             direction = refracted(point.geometric);
         }
         let beyond = match outside {

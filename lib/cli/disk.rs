@@ -4,6 +4,7 @@
 use super::Console;
 use super::stream::{all, file, native, plain};
 use crate::args::Commands;
+use crate::cal;
 use crate::error::{Error, Result};
 use crate::resolve::Resolve;
 use crate::sampling::mix64;
@@ -23,7 +24,6 @@ pub struct Disk<'a> {
     raypath: Vec<PathBuf>,
     allowed: bool,
     denied: bool,
-    shipped: fn(&str) -> Option<&'static str>,
     /// Hears what went wrong with a command whose output is used all the same.
     console: &'a Console,
     started: AtomicUsize,
@@ -34,7 +34,7 @@ pub struct Disk<'a> {
 impl<'a> Disk<'a> {
     /// The file system along `RAYPATH`, and behind it the files of the project itself, by name; commands as typed, else as
     /// `RAD_COMMANDS` says, else refused.
-    pub fn new(commands: Option<Commands>, shipped: fn(&str) -> Option<&'static str>, console: &'a Console) -> Self {
+    pub fn new(commands: Option<Commands>, console: &'a Console) -> Self {
         let raypath = std::env::var_os("RAYPATH").unwrap_or_else(|| OsString::from(DEFAULT_RAYPATH));
         let allowed = match commands {
             Some(commands) => commands == Commands::Allow,
@@ -44,7 +44,6 @@ impl<'a> Disk<'a> {
             raypath: std::env::split_paths(&raypath).collect(),
             allowed,
             denied: commands == Some(Commands::Deny),
-            shipped,
             console,
             started: AtomicUsize::new(0),
             read: AtomicU64::new(0),
@@ -94,7 +93,7 @@ impl Resolve for Disk<'_> {
         if let Some(found) = places.find(|path| path.is_file() && std::fs::File::open(path).is_ok()) {
             return self.counted(file(found));
         }
-        if let Some(text) = (self.shipped)(name) {
+        if let Some(text) = cal::shipped(name) {
             return Ok(text.into());
         }
         let searched: Vec<_> =
@@ -146,13 +145,11 @@ mod tests {
     use super::*;
 
     fn disk<'a>(directories: &[&Path], commands: Commands, console: &'a Console) -> Disk<'a> {
-        let shipped = |name: &str| (name == "own.cal").then_some("own = 1;");
         let raypath = directories.iter().map(|p| p.to_path_buf()).collect();
         Disk {
             raypath,
             allowed: commands == Commands::Allow,
             denied: commands == Commands::Deny,
-            shipped,
             console,
             started: AtomicUsize::new(0),
             read: AtomicU64::new(0),
@@ -168,17 +165,17 @@ mod tests {
         let (first, second) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
         let console = silent();
         let disk = disk(&[first.path(), second.path()], Commands::Deny, &console);
-        assert_eq!(disk.library("own.cal").unwrap(), b"own = 1;");
-        std::fs::write(second.path().join("own.cal"), "second").unwrap();
-        assert_eq!(disk.library("own.cal").unwrap(), b"second");
-        std::fs::create_dir(first.path().join("own.cal")).unwrap();
-        assert_eq!(disk.library("own.cal").unwrap(), b"second", "a directory is not a file");
-        std::fs::remove_dir(first.path().join("own.cal")).unwrap();
-        std::fs::write(first.path().join("own.cal"), "first").unwrap();
-        assert_eq!(disk.library("own.cal").unwrap(), b"first");
+        assert_eq!(disk.library("curves.cal").unwrap(), cal::shipped("curves.cal").unwrap().as_bytes());
+        std::fs::write(second.path().join("curves.cal"), "second").unwrap();
+        assert_eq!(disk.library("curves.cal").unwrap(), b"second");
+        std::fs::create_dir(first.path().join("curves.cal")).unwrap();
+        assert_eq!(disk.library("curves.cal").unwrap(), b"second", "a directory is not a file");
+        std::fs::remove_dir(first.path().join("curves.cal")).unwrap();
+        std::fs::write(first.path().join("curves.cal"), "first").unwrap();
+        assert_eq!(disk.library("curves.cal").unwrap(), b"first");
         let absent = disk.library("absent.cal").unwrap_err().to_string();
         assert!(absent.contains(&first.path().display().to_string()) && absent.contains("RAYPATH"));
-        assert!(disk.library("./own.cal").is_err(), "a name with a dot in front is not searched");
+        assert!(disk.library("./curves.cal").is_err(), "a name with a dot in front is not searched");
     }
 
     #[test]

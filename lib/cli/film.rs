@@ -3,6 +3,7 @@
 use super::stream::Input;
 use super::{Outcome, Output};
 use crate::args::rtrace::{Arguments, ends_in};
+use crate::color::{WHITE_EFFICACY, of_pixel, to_pixel};
 use crate::error::{Error, Result};
 use crate::picture::exr::{Plane, Planes};
 use crate::picture::{Format, Header, Picture, rgb_to_xyz};
@@ -24,15 +25,13 @@ pub fn header(command: &str, view: &View, film: &Film) -> Header {
 
 /// A picture of these values, so wide and so high.
 pub fn picture((width, height): (usize, usize), header: Header, values: impl Iterator<Item = Vec3>) -> Picture {
-    Picture { width, height, header, pixels: values.map(|v| v.to_array().map(|v| v as f32)).collect() }
+    Picture { width, height, header, pixels: values.map(to_pixel).collect() }
 }
 
 /// The same picture in CIE XYZ, Y in cd/m².
 pub fn in_xyz(mut picture: Picture) -> Picture {
-    let matrix = rgb_to_xyz() * crate::color::WHITE_EFFICACY;
-    for pixel in &mut picture.pixels {
-        *pixel = (matrix * Vec3::from(pixel.map(f64::from))).to_array().map(|v| v as f32);
-    }
+    let matrix = rgb_to_xyz() * WHITE_EFFICACY;
+    picture.pixels.iter_mut().for_each(|pixel| *pixel = to_pixel(matrix * of_pixel(*pixel)));
     picture.header.lines.retain(|line| !line.starts_with("PRIMARIES="));
     picture.header.format = Format::Xyz;
     picture
@@ -63,7 +62,7 @@ pub fn finish(arguments: &Arguments, size: (usize, usize), mut header: Header, r
     }
     let options = &arguments.picture;
     if let Some(path) = &options.variance {
-        let variances = rendering.pixels.iter().map(|p| rendering.variance(p).to_array().map(|v| v as f32));
+        let variances = rendering.pixels.iter().map(|p| to_pixel(rendering.variance(p)));
         let mut planes = empty(size, &header);
         planes.push_picture("variance", &variances.collect::<Vec<_>>());
         Output::whole(Some(path), &planes.write()?)?;
@@ -107,7 +106,7 @@ pub fn aovs(list: &str) -> Result<Vec<&'static str>> {
 pub fn features(film: &Film, header: &Header, names: &[&str], features: &[Features]) -> Result<Vec<u8>> {
     let mut planes = empty((film.width, film.height), header);
     let mut color = |name: &str, of: fn(&Features) -> Vec3| {
-        let values: Vec<[f32; 3]> = features.iter().map(|f| of(f).to_array().map(|v| v as f32)).collect();
+        let values: Vec<[f32; 3]> = features.iter().map(|f| to_pixel(of(f))).collect();
         planes.push_picture(name, &values);
     };
     for &name in names {

@@ -4,7 +4,6 @@ use super::search::Objective;
 use super::stream::Input;
 use super::{Console, Disk, Outcome, scene};
 use crate::args::anneal::{Arguments, Sharpness};
-use crate::cal;
 use crate::color::Rgb;
 use crate::error::{Error, Result};
 use crate::expand::{Flat, expand};
@@ -49,7 +48,7 @@ impl<'a> Photo<'a> {
     pub fn new(unknown: &Unknown, target: Option<&str>, arguments: &Arguments, console: &'a Console) -> Outcome<Self> {
         let photo = &arguments.photo;
         let input = Input::default();
-        let disk = Disk::new(arguments.scene_options.commands, cal::shipped, console);
+        let disk = Disk::new(arguments.scene_options.commands, console);
         let read = |name: &str| -> Result<(String, Picture)> {
             let (name, bytes) = input.read(name)?;
             disk.count(&bytes);
@@ -188,9 +187,7 @@ impl<'a> Photo<'a> {
         );
         let mut flat = self.flat.clone();
         flat.primitives.extend(Document::read("the lamp", lamp.into_bytes())?.primitives().cloned());
-        let mut world = World::new(Scene::new(&flat, &self.disk, false)?, &self.rules)?;
-        world.unknown = Some(self.material);
-        Ok(world)
+        surveyed(Scene::new(&flat, &self.disk, false)?, &self.rules, self.material, &self.film)
     }
 
     /// Which material of the scene is the unknown.

@@ -1,14 +1,20 @@
 //! Scenes and views as they are named on a command line.
 
-use super::Input;
-use super::disk::printed;
+use super::disk::{Disk, printed};
 use super::stream::file;
+use super::{Console, Input, Outcome};
 use crate::args::ViewWords;
-use crate::error::{Error, Result};
+use crate::args::rtrace::Arguments;
+use crate::error::{Error, Result, Source};
+use crate::expand::expand;
 use crate::import::{is_octree, octree};
 use crate::rad::Document;
 use crate::resolve::Resolve;
+use crate::rules::Rules;
+use crate::scene::Scene;
 use crate::view::View;
+use crate::world::World;
+use std::sync::Arc;
 
 /// The name and the bytes of a scene file or octree. A name that begins with `!` is a command that prints one; it was typed, so it may run
 /// unless all are denied.
@@ -48,4 +54,18 @@ pub fn view(words: &ViewWords) -> Result<View> {
     let mut view = View::default();
     view.apply(&words.words, &|name| file(name))?;
     Ok(view)
+}
+
+/// The world of the scene that was named.
+pub fn world(args: &Arguments, rules: &Rules, disk: &Disk, console: &Console) -> Outcome<World> {
+    let flat = expand(documents(&args.scenes(), disk)?, disk)?;
+    let mut definitions: Vec<Arc<Source>> = args.definitions.iter().map(|text| Source::new("-e", text.as_str())).collect();
+    for name in &args.function_files {
+        definitions.push(Source::new(name.as_str(), String::from_utf8_lossy(&disk.library(name)?)));
+    }
+    let scene = Scene::with(&flat, disk, args.skip_unsupported, definitions)?;
+    if args.light.tuning.w != Some(false) {
+        scene.warnings.iter().for_each(|w| console.warn(w));
+    }
+    Ok(World::new(scene, rules)?)
 }

@@ -115,7 +115,7 @@ impl Output {
 
     /// Errors if one of the files that are to be written later could not be, or is named twice, so that long work is not done for nothing. What is
     /// there stays as it is; a pipe or a device is not tried, since whoever reads it would take the trial for the whole.
-    pub fn possible<'a>(paths: impl IntoIterator<Item = &'a Path>) -> Outcome<()> {
+    pub fn check<'a>(paths: impl IntoIterator<Item = &'a Path>) -> Outcome<()> {
         let mut places = HashSet::new();
         for path in paths {
             if std::fs::metadata(path).is_ok_and(|m| !m.is_file() && !m.is_dir()) {
@@ -248,10 +248,10 @@ mod tests {
         let path = directory.path().join("file");
         std::fs::write(&path, "old").unwrap();
         let new = directory.path().join("new");
-        Output::possible([&*path, &*new, Path::new("-"), Path::new("/dev/null"), Path::new("/dev/null")]).unwrap();
-        assert!(Output::possible([&*directory.path().join("no/such")]).is_err() && Output::possible([directory.path()]).is_err());
+        Output::check([&*path, &*new, Path::new("-"), Path::new("/dev/null"), Path::new("/dev/null")]).unwrap();
+        assert!(Output::check([&*directory.path().join("no/such")]).is_err() && Output::check([directory.path()]).is_err());
         for twice in [[&*path, &*directory.path().join("./file")], [&*new, &*new], [Path::new("-"), Path::new("-")]] {
-            assert!(matches!(Output::possible(twice), Err(Stop::Failed(e)) if e.message.contains("named for two outputs")));
+            assert!(matches!(Output::check(twice), Err(Stop::Failed(e)) if e.message.contains("named for two outputs")));
         }
         assert_eq!(std::fs::read(&path).unwrap(), b"old");
         assert_eq!(std::fs::read_dir(&directory).unwrap().count(), 1);

@@ -2,7 +2,7 @@
 
 use super::{Bounds, Cone, Polygon, Ray, Ring, Sphere, tolerance};
 use crate::error::{Error, Result};
-use crate::rad::Primitive;
+use crate::rad::{Primitive, Type};
 use crate::vector::Vec3;
 
 /// A surface that has an equation of its own.
@@ -39,7 +39,7 @@ impl Shape {
         if let Some(bad) = reals.iter().find(|r| !r.is_finite()) {
             return Err(format!("{bad} is not a finite number"));
         }
-        let count = |n: usize| if reals.len() == n { Ok(()) } else { Err(format!("{kind} needs {n} real arguments, not {}", reals.len())) };
+        Type::named(kind).map_or(Ok(()), |kind| kind.takes(reals.len()))?;
         let point = |i: usize| Vec3::new(reals[i], reals[i + 1], reals[i + 2]);
         let mut turned = |negative: bool| {
             if negative {
@@ -49,12 +49,6 @@ impl Shape {
         };
         let ignored = match kind {
             "polygon" => {
-                if reals.len() < 9 || !reals.len().is_multiple_of(3) {
-                    return Err(format!(
-                        "polygon needs three coordinates for each of at least three vertices, not {} numbers",
-                        reals.len()
-                    ));
-                }
                 let polygon = Polygon::new((0..reals.len()).step_by(3).map(point).collect());
                 if polygon.as_ref().is_some_and(|p| p.unevenness() > 1e-5) {
                     warnings.push("polygon is not planar; its mean plane is used".into());
@@ -65,7 +59,6 @@ impl Shape {
                 }
             }
             "sphere" | "bubble" => {
-                count(4)?;
                 let inward = (kind == "bubble") != turned(reals[3] < 0.0);
                 if reals[3] != 0.0 {
                     return Ok(Some(Self::Sphere(Sphere { center: point(0), radius: reals[3].abs(), inward })));
@@ -74,7 +67,6 @@ impl Shape {
             }
             "cone" | "cup" | "cylinder" | "tube" => {
                 let frustum = matches!(kind, "cone" | "cup");
-                count(if frustum { 8 } else { 7 })?;
                 let (r0, r1) = (reals[6], if frustum { reals[7] } else { reals[6] });
                 let along = point(3) - point(0);
                 let inward = matches!(kind, "cup" | "tube") != turned(r0.min(r1) < 0.0);
@@ -91,7 +83,6 @@ impl Shape {
                 }
             }
             "ring" => {
-                count(8)?;
                 let (inner, outer) = (reals[6].min(reals[7]), reals[6].max(reals[7]));
                 match point(3).try_normalize() {
                     None => "normal has no length",

@@ -18,7 +18,7 @@ const CORNERS: usize = 512;
 /// without either there is none.
 pub fn read(bytes: Vec<u8>, name: &str) -> Result<MeshFile> {
     let source = Source::new(name, decode(bytes));
-    let mut state = State { source: source.clone(), ..State::empty(&source) };
+    let mut state = State::empty(&source);
     // A line that ends with a backslash goes on.
     let text = source.text.as_str();
     let mut start = 0;

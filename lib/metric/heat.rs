@@ -1,7 +1,7 @@
 //! Where two pictures differ, to look at.
 
 use super::Comparison;
-use crate::color::{Rgb, bright};
+use crate::color::{bright, of_pixel};
 use crate::picture::png::{Tone, srgb};
 
 /// The colour of pixels that do not count, and of the gap between pictures.
@@ -27,9 +27,8 @@ impl Comparison<'_> {
 
     /// The size of each pixel's difference, negative where the reference is brighter; `None` for what does not count.
     fn differences(&self) -> impl Iterator<Item = Option<f64>> + '_ {
-        let rgb = |pixel: [f32; 3]| Rgb::from(pixel.map(f64::from));
         (0..self.reference.pixels.len()).map(move |i| {
-            let difference = rgb(self.image.pixels[i]) * self.scale - rgb(self.reference.pixels[i]);
+            let difference = of_pixel(self.image.pixels[i]) * self.scale - of_pixel(self.reference.pixels[i]);
             let counts = self.weights.is_none_or(|weights| weights[i] > 0.0);
             counts.then(|| difference.length().copysign(bright(difference)))
         })

@@ -8,7 +8,6 @@ use crate::picture::{Format, Picture, hdr};
 #[derive(Debug)]
 pub struct Raster {
     height: usize,
-    range: [f64; 2],
     /// Samples per unit of u and v.
     density: [f64; 2],
     /// Rows from the bottom; at least two rows and columns.
@@ -37,16 +36,14 @@ impl Raster {
     /// The picture; `name` is for messages.
     ///
     /// # Errors
-    /// Its values are CIE XYZ, or it is empty.
+    /// Its values are CIE XYZ.
     pub fn of(picture: &Picture, name: &str) -> Result<Self> {
         if picture.header.format == Format::Xyz {
             return Err(Error::new(format!("{name}: a pattern cannot use a picture in XYZ; convert it with `ra_xyze -r`")));
         }
         let (width, height) = (picture.width, picture.height);
-        if width == 0 || height == 0 {
-            return Err(Error::new(format!("{name}: the picture is empty")));
-        }
         let (x, y, aspect) = (width as f64, height as f64, picture.header.pixel_aspect());
+        // The greatest u and v: the outermost pixels lie at 0 and there.
         let range = if x <= y * aspect { [1.0, aspect * y / x] } else { [x / y / aspect, 1.0] };
         // Give a picture of a single row or column a second one, which the densities of 0 keep out.
         let (stride, rows) = (width.max(2), height.max(2));
@@ -56,12 +53,7 @@ impl Raster {
             Some(samples) => Samples::Stored(samples),
             None => Samples::Plain(pixels().map(|[r, g, b]| [r, g, b, 0.0]).collect()),
         };
-        Ok(Self { height, range, density: [(x - 1.0) / range[0], (y - 1.0) / range[1]], samples, stride })
-    }
-
-    /// The greatest u and v. The outermost pixels lie at 0 and there.
-    pub fn range(&self) -> [f64; 2] {
-        self.range
+        Ok(Self { height, density: [(x - 1.0) / range[0], (y - 1.0) / range[1]], samples, stride })
     }
 
     /// Red, green and blue at a place: bilinear, and extrapolated beyond the picture as data files are.

@@ -1,7 +1,7 @@
 //! Pictures to look at: radiance made fit for a screen, and PNG files.
 
 use super::Picture;
-use crate::color::{Rgb, bright};
+use crate::color::{Rgb, bright, of_pixel};
 use crate::error::{Error, Result};
 
 /// The brightness that the average of a picture is given, of the screen's white (Reinhard et al. 2002, section 3: middle grey).
@@ -23,7 +23,7 @@ impl Tone {
     /// The tone in which a picture (in radiance) looks natural, by the logarithmic average of its brightness (Reinhard et al.
     /// 2002, "Photographic Tone Reproduction for Digital Images", equation 1). Black pixels do not count.
     pub fn of(picture: &Picture) -> Self {
-        let brightness = picture.pixels.iter().map(|&pixel| bright(rgb(pixel))).filter(|v| v.is_finite() && *v > 0.0);
+        let brightness = picture.pixels.iter().map(|&pixel| bright(of_pixel(pixel))).filter(|v| v.is_finite() && *v > 0.0);
         let mut brightness: Vec<_> = brightness.collect();
         if brightness.is_empty() {
             return Self { exposure: 1.0, white: 1.0 };
@@ -41,7 +41,7 @@ impl Tone {
         if pixel.iter().any(|v| v.is_nan()) {
             return [255, 0, 255];
         }
-        let color = (rgb(pixel) * self.exposure).clamp(Rgb::ZERO, Rgb::splat(1e9));
+        let color = (of_pixel(pixel) * self.exposure).clamp(Rgb::ZERO, Rgb::splat(1e9));
         let brightness = bright(color);
         let factor = (1.0 + brightness / (self.white * self.white)) / (1.0 + brightness);
         (color * factor).to_array().map(srgb)
@@ -68,10 +68,6 @@ pub fn write(width: usize, height: usize, pixels: &[[u8; 3]]) -> Result<Vec<u8>>
     writer.write_image_data(pixels.as_flattened()).map_err(failed)?;
     writer.finish().map_err(failed)?;
     Ok(out)
-}
-
-fn rgb(pixel: [f32; 3]) -> Rgb {
-    Rgb::from(pixel.map(f64::from))
 }
 
 #[cfg(test)]

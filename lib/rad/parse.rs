@@ -186,7 +186,7 @@ fn place(source: &Arc<Source>, input: &str, fault: Fault) -> Error {
     let start = offset(source, input);
     let whole = Span::new(source, start, source.text.len());
     if fault.message.is_empty() {
-        let name = input.split(is_space_char).filter(|w| !w.is_empty()).take(3).collect::<Vec<_>>().join(" ");
+        let name = input.split(super::lex::is_space).filter(|w| !w.is_empty()).take(3).collect::<Vec<_>>().join(" ");
         return whole.error(format!("the text ends inside the statement `{name}`; add the missing words or correct the counts"));
     }
     let at = source.text.len() - fault.left;
@@ -206,10 +206,6 @@ fn next_statement(input: &str) -> &str {
         }
     }
     ""
-}
-
-fn is_space_char(c: char) -> bool {
-    super::lex::is_space(c)
 }
 
 /// Where `rest`, a tail of the source's text, begins.

@@ -55,6 +55,16 @@ impl Type {
         INDEX.get(name).copied()
     }
 
+    /// Errors, saying how many real arguments it takes, if these are not as many.
+    pub fn takes(&self, reals: usize) -> Result<(), String> {
+        let (fits, needed) = match &self.reals {
+            Reals::Of(counts) => (counts.contains(&reals), counts.iter().map(usize::to_string).collect::<Vec<_>>().join(" or ")),
+            Reals::From(least) => (reals >= *least, format!("{least} or more")),
+            Reals::Vertices => (reals >= 9 && reals.is_multiple_of(3), "three for each of at least three vertices".into()),
+        };
+        if fits { Ok(()) } else { Err(format!("{} needs {needed} real arguments, not {reals}", self.name)) }
+    }
+
     /// Whether it can stand as the modifier of another primitive.
     pub fn is_modifier(&self) -> bool {
         self.class != Class::Surface

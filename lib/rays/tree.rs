@@ -3,7 +3,7 @@
 use crate::accel::Hit;
 use crate::bsdf::{Arriving, Bsdf, Delta, Part};
 use crate::color::{Rgb, bright};
-use crate::geometry::{FAR, Ray};
+use crate::geometry::{FAR, Ray, TINY};
 use crate::integrator::{Kind, Radiance, Transport, Visit};
 use crate::material::{Inside, Material};
 use crate::rules::Rules;
@@ -240,8 +240,8 @@ fn extends(layer: &Layer, rules: &Rules) -> [bool; 2] {
     match &named.material {
         Material::Mirror(_) => [flat, false],
         Material::Glass(_) => [flat, even],
-        Material::Dielectric(inside) => [flat, flat || (inside.index - 1.0).abs() <= 1e-6],
-        Material::Interface(inside, outside) => [flat, flat || (inside.index / outside.index - 1.0).abs() <= 1e-6],
+        Material::Dielectric(inside) => [flat, flat || (inside.index - 1.0).abs() <= TINY],
+        Material::Interface(inside, outside) => [flat, flat || (inside.index / outside.index - 1.0).abs() <= TINY],
         Material::Reflectance(_) => {
             let bsdf = layer.bsdf(rules);
             let straight = bsdf.deltas[1].map_or(0.0, |d| d.coefficient.max_element());

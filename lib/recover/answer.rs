@@ -29,9 +29,8 @@ impl<'a> Answer<'a> {
         let mut doubts = judgement.as_ref().map_or_else(Vec::new, |j| j.doubts.clone());
         let mut rounded = values.to_vec();
         for (i, (p, value)) in unknown.parameters().iter().zip(&mut rounded).enumerate() {
-            let range = p.high - p.low;
             let ends = [("lower", p.low), ("upper", p.high)];
-            if let Some((side, bound)) = ends.into_iter().find(|(_, end)| (*value - end).abs() < AT_BOUND * range) {
+            if let Some((side, bound)) = ends.into_iter().find(|(_, end)| (*value - end).abs() < AT_BOUND * p.range()) {
                 *value = bound;
                 // No number of a material is less than nothing, and nothing lets more light through than there is.
                 let clear = bound == 1.0 && ["dielectric", "glass"].contains(&unknown.material().kind.as_str());

@@ -8,7 +8,7 @@
 //! through a body, came out as .09 and colours of .7 as .97.
 
 use super::look::{Look, Looked, Model};
-use super::scores::{Place, Scores, pictures};
+use super::scores::{Evaluation, Scores, pictures};
 use super::sheet::Sheet;
 use crate::anneal::linear::Symmetric;
 use crate::transport::Basis;
@@ -96,7 +96,7 @@ impl Look<'_> {
         let halves = pictures(basis, &[model.coefficients(&found.values)]).swap_remove(0);
         let weights = sheet.by_variance(&halves, &sheet.variances(&halves, basis), &basis.samples);
         let scores = |values: &[f64]| {
-            let mut place = Place::new(model, basis, values, self.bounds);
+            let mut place = Evaluation::new(model, basis, values, self.bounds);
             // A value that no pixel tells stays where it is.
             for (slot, _) in &range.axes {
                 place.derivatives[*slot].iter_mut().for_each(|half| half.fill([0.0; 3]));
@@ -120,7 +120,7 @@ impl Look<'_> {
         let noise: Vec<f64> = candidates.iter().map(|c| c.squares(-1.0)).collect();
         let most = NOISY * noise[best];
         let excess = |from: usize| -> Vec<f64> {
-            let off = |(other, noise): (&Scores, &f64)| if *noise > most { f64::INFINITY } else { candidates[from].excess(&other.place) };
+            let off = |(other, noise): (&Scores, &f64)| if *noise > most { f64::INFINITY } else { candidates[from].excess(&other.here) };
             candidates.iter().zip(&noise).map(off).collect()
         };
         let mut off = excess(best);
@@ -133,7 +133,7 @@ impl Look<'_> {
         let shares: Vec<f64> = (0..range.len()).map(|i| range.size(i) * (-0.5 * farther[i].powi(2)).exp()).collect();
         let whole: f64 = shares.iter().sum();
         let mean = |of: &dyn Fn(usize) -> f64| shares.iter().enumerate().map(|(i, share)| share / whole * of(i)).sum::<f64>();
-        let value = |i: usize, parameter: usize| candidates[i].place.values[parameter];
+        let value = |i: usize, parameter: usize| candidates[i].here.values[parameter];
         let values: Vec<f64> = (0..found.values.len()).map(|p| mean(&|i| value(i, p))).collect();
         let within = |p: usize, q: usize| match (doubtful(p), doubtful(q)) {
             (false, false) => candidates[best].covariance.at(p, q),

@@ -6,9 +6,9 @@ use super::foresight::at_a_glance;
 use super::indices::Search;
 use super::look::{First, Look, Model};
 use super::model::{cubic, exposed, lagrange};
-use super::scores::anywhere;
 use super::sheet::Sheet;
 use super::{Effort, Evidence, Recovery, Seeds};
+use crate::anneal::anywhere;
 use crate::anneal::linear::Symmetric;
 use crate::color::Rgb;
 use crate::error::Result;
@@ -74,7 +74,7 @@ impl<'a> Stage<'a> {
     }
 
     fn index(&self, values: &[f64]) -> f64 {
-        self.unknown.reals(values).get(3).copied().unwrap_or(GLASS_INDEX)
+        index(self.unknown, values)
     }
 }
 
@@ -147,7 +147,7 @@ fn between(depths: &[f64], transmissivity: f64) -> Vec<f64> {
 
 /// A model near the starting values.
 pub fn near_start<'a>(evidence: &'a Evidence<'a>, sought: &'a Through, material: MaterialId) -> impl Model + 'a {
-    let index = start(&sought.unknown);
+    let index = index(&sought.unknown, &sought.unknown.start());
     Stage::new(evidence, sought, material, if slot(&sought.unknown).is_some() { close(index) } else { vec![index] })
 }
 
@@ -156,9 +156,9 @@ pub fn slot(unknown: &Unknown) -> Option<usize> {
     unknown.slots().get(3).copied().flatten()
 }
 
-/// The index that the unknown starts with.
-fn start(unknown: &Unknown) -> f64 {
-    unknown.reals(&unknown.start()).get(3).copied().unwrap_or(GLASS_INDEX)
+/// The index among these values of the unknown.
+fn index(unknown: &Unknown, values: &[f64]) -> f64 {
+    unknown.reals(values).get(3).copied().unwrap_or(GLASS_INDEX)
 }
 
 /// Indices to look at the pixels with.
@@ -262,7 +262,7 @@ fn looked(
     let sheet = Sheet::new(evidence, pixels);
     let mut seeds = Seeds::new(effort.seed);
     let slot = slot(unknown);
-    let fixed = start(unknown);
+    let fixed = index(unknown, &unknown.start());
     let (low, high) = slot.map_or((fixed, fixed), |i| (parameters[i].low.max(LEAST_INDEX), parameters[i].high.max(LEAST_INDEX)));
     let bounds: Vec<(f64, f64)> =
         parameters.iter().enumerate().map(|(i, p)| if Some(i) == slot { (low, high) } else { (p.low, p.high) }).collect();
@@ -302,7 +302,7 @@ fn looked(
         };
         if !another() {
             // It was not got hold of: the index may be anywhere.
-            here.covariance.set(i, i, anywhere((low, high)));
+            here.covariance.set(i, i, anywhere((low, high)).powi(2));
             return Ok(here);
         }
         best.clone_from(&here.values);

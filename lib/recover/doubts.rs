@@ -15,7 +15,7 @@ use crate::unknown::{EXPOSURES, ROUGHNESSES, Unknown};
 pub struct Known<'a> {
     /// Their covariance.
     pub covariance: Symmetric,
-    /// What an error of [`COMMON`] that the pixels have in common does to them, if pixels were looked at.
+    /// What an error of 1.5 % that the pixels have in common does to them, if pixels were looked at.
     pub common: Option<&'a Symmetric>,
     /// And how large an error they have seems to be.
     pub misfit: f64,
@@ -62,7 +62,7 @@ pub fn judge(unknown: &Unknown, values: &[f64], known: &Known) -> Judgement {
     let parameters = unknown.parameters();
     let n = parameters.len();
     // What bounds alone would say is 1.
-    let units: Vec<f64> = parameters.iter().map(|p| (p.high - p.low) / 12f64.sqrt()).collect();
+    let units: Vec<f64> = parameters.iter().map(Parameter::anywhere).collect();
     let seen = &known.covariance;
     let dull = lusterless(unknown, values, seen);
     let unseen = |i: usize| !seen.at(i, i).is_finite() || dull && ROUGHNESSES.contains(&parameters[i].name.as_str());
@@ -247,7 +247,7 @@ mod tests {
     fn plastic(seen: [f64; 5], common: [f64; 5], (i, j, r): (usize, usize, f64), misfit: f64) -> Judgement {
         let document = Document::parse(Source::new("m.rad", "void plastic m 0 0 5 .6 .4 .2 .1 .1")).unwrap();
         let unknown = Unknown::new(document, &Wishes::default()).unwrap();
-        let ranges: Vec<f64> = unknown.parameters().iter().map(|p| p.high - p.low).collect();
+        let ranges: Vec<f64> = unknown.parameters().iter().map(Parameter::range).collect();
         let matrix = |e: [f64; 5]| {
             let r = |a, b| if a == b { 1.0 } else { r * f64::from((a, b) == (j.max(i), i.min(j))) };
             Symmetric::of(5, |a, b| r(a, b) * e[a] * ranges[a] * e[b] * ranges[b])

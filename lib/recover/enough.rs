@@ -37,7 +37,7 @@ pub enum More {
 
 /// How a value stands.
 #[derive(Clone, Copy, Debug)]
-struct Standing {
+struct Need {
     /// Its variance, in terms of the one that satisfies.
     variance: f64,
     /// The part of it that the rendering makes.
@@ -48,7 +48,7 @@ struct Standing {
     foreseen: bool,
 }
 
-impl Standing {
+impl Need {
     /// The part of its variance that any number of samples would leave.
     fn left(&self) -> f64 {
         (1.0 - self.own) * self.clarity
@@ -81,18 +81,18 @@ impl Effort<'_> {
     /// What would make a recovery as good as is wished for, or as the picture allows; `None` if it is. Seen are `seen` of `all` pixels, by `each`
     /// samples in each half; those among them that tell most of a roughness, if those were `foreseen`.
     pub fn more(&self, parameters: &[Parameter], found: &Recovery, [seen, all]: [f64; 2], each: f64, foreseen: bool) -> Option<More> {
-        let standing = |(i, parameter): (usize, &Parameter)| {
+        let need = |(i, parameter): (usize, &Parameter)| {
             let (variance, near) = (found.covariance.at(i, i), self.near(i, parameter, found.values[i]));
             let foreseen = foreseen && ROUGHNESSES.contains(&parameter.name.as_str());
-            Standing { variance: variance / near.powi(2), own: found.own_part(i), clarity: found.clarity[i], foreseen }
+            Need { variance: variance / near.powi(2), own: found.own_part(i), clarity: found.clarity[i], foreseen }
         };
-        let allowed = |s: &Standing| match self.tolerance {
+        let allowed = |s: &Need| match self.tolerance {
             None => s.left() / LEFT,
             Some(_) if s.left() * s.variance < 1.0 => 0.0,
             Some(_) => s.left() / ALL_LEFT,
         };
-        let lacks = |s: &Standing| s.variance > 1.0 && (seen < all || allowed(s) < 1.0);
-        let lacking: Vec<Standing> = parameters.iter().enumerate().map(standing).filter(lacks).collect();
+        let lacks = |s: &Need| s.variance > 1.0 && (seen < all || allowed(s) < 1.0);
+        let lacking: Vec<Need> = parameters.iter().enumerate().map(need).filter(lacks).collect();
         let worst = lacking.iter().max_by(|a, b| a.variance.total_cmp(&b.variance))?;
         let pixels = if worst.foreseen { each >= DEEPER } else { worst.clarity > worst.own.max(CLEAR) || each >= DEEP };
         if seen < all && pixels {
@@ -164,12 +164,12 @@ mod tests {
     #[test]
     fn so_many_more_samples_leave_what_is_asked() {
         for (own, clarity, part) in [(0.5, 0.5, 0.5), (1.0, 0.3, 0.1), (0.2, 1.0, 0.9), (0.0, 0.4, 0.7), (0.9, 0.9, 0.95)] {
-            let standing = Standing { variance: 1.0, own, clarity, foreseen: false };
-            let x = 1.0 / standing.samples(part);
+            let need = Need { variance: 1.0, own, clarity, foreseen: false };
+            let x = 1.0 / need.samples(part);
             let left = (clarity + (1.0 - clarity) * x) * (1.0 - own + own * x);
-            assert!((left - part).abs() < 1e-12, "{standing:?}: {left} for {part}");
+            assert!((left - part).abs() < 1e-12, "{need:?}: {left} for {part}");
         }
         // Less than no noise is not to be had.
-        assert_eq!(Standing { variance: 1.0, own: 0.5, clarity: 0.5, foreseen: false }.samples(0.25), f64::INFINITY);
+        assert_eq!(Need { variance: 1.0, own: 0.5, clarity: 0.5, foreseen: false }.samples(0.25), f64::INFINITY);
     }
 }

@@ -9,7 +9,7 @@
 
 use super::Evidence;
 use super::look::Model;
-use super::scores::Place;
+use super::scores::Evaluation;
 use super::sheet::{COMMON, Sheet, joined};
 use crate::color::Rgb;
 use crate::geometry::Ray;
@@ -67,7 +67,7 @@ pub fn telling(evidence: &Evidence, material: MaterialId, roughness: [f64; 2], p
 /// For each pixel of a sheet, the squares of its changes with the values near some, in terms of its variance; one value counts as much as another.
 pub fn at_a_glance(model: &dyn Model, near: &[f64], bounds: &[(f64, f64)], sheet: &Sheet, seed: u64) -> Vec<f64> {
     let basis = model.trace_all(sheet.numbers, GLANCE, seed);
-    let Place { halves, derivatives, .. } = Place::new(model, &basis, near, bounds);
+    let Evaluation { halves, derivatives, .. } = Evaluation::new(model, &basis, near, bounds);
     // Neither the light of a pixel nor its variance is told by that pixel alone: where few samples happen to be dark, they would seem sure.
     let light = sheet.light(&halves);
     let variances = sheet.blurred(&joined(&halves, |a, b| 0.5 * f64::from(GLANCE) * (a - b).powi(2)), 1);

@@ -4,7 +4,7 @@ use super::drift::{LATE, PICTURES};
 use super::enough::More;
 use super::fit::{Valley, derivatives};
 use super::misfit::misfit;
-use super::scores::{BOUNDINGS, Place, STEPS, Scores, Way, influence, pictures, products, total};
+use super::scores::{BOUNDINGS, Evaluation, STEPS, Scores, Way, influence, pictures, products, total};
 use super::sheet::{Channels, Sheet, weight};
 use super::{Effort, Evidence, Recovery, Seeds};
 use crate::anneal::Parameter;
@@ -246,9 +246,7 @@ impl Look<'_> {
     /// a pixel or two tell a value and follow it. One that was seen so small before, is.
     fn temper(&self, found: &mut Recovery, [taken, seen]: &[Vec<f64>; 2]) {
         for (i, parameter) in self.parameters.iter().enumerate() {
-            // What bounds alone would say.
-            let unit = (parameter.high - parameter.low) / 12f64.sqrt();
-            let least = (SURER * taken[i].min(unit)).min(seen[i]).powi(2);
+            let least = (SURER * taken[i].min(parameter.anywhere())).min(seen[i]).powi(2);
             if found.covariance.at(i, i) < least {
                 // What more samples would make of it is not known either.
                 found.own.set(i, i, least * found.own_part(i));
@@ -266,12 +264,12 @@ impl Look<'_> {
         let whole = Whole { model, basis, target: &sheet.target, weights: &weights.halves, bounds: self.bounds };
         let begin = whole.polish(near, &vec![true; near.len()]).values;
         let at = |place, weights| Scores::new(sheet, weights, place, self.bounds);
-        let mut now = at(Place::new(model, basis, &begin, self.bounds), weights);
+        let mut now = at(Evaluation::new(model, basis, &begin, self.bounds), weights);
         let pulls = model.pulls();
         // What is far too bright by chance must not lead astray; what pulls hard because the values are not there yet, may.
         for _ in 0..BOUNDINGS {
             let Some(lighter) = now.bounded(pulls[0]) else { break };
-            now = at(now.place, lighter);
+            now = at(now.here, lighter);
         }
         // From there to where the scores vanish, which has no such bias.
         let mut size = f64::INFINITY;
@@ -287,14 +285,14 @@ impl Look<'_> {
         size = f64::INFINITY;
         for _ in 0..BOUNDINGS {
             let Some(lighter) = now.bounded(pulls[1]) else { break };
-            now = at(now.place, lighter);
+            now = at(now.here, lighter);
             let Some((next, taken)) = self.step(&now, model, basis).filter(|(_, taken)| *taken < size) else { break };
             (now, size) = (at(next, now.weights), taken);
             if taken < STEADY {
                 break;
             }
         }
-        let values = now.place.values.clone();
+        let values = now.here.values.clone();
         let wished: Vec<f64> =
             self.parameters.iter().zip(&values).enumerate().map(|(i, (p, value))| self.effort.near(i, p, *value)).collect();
         let (influence, clarity) = (influence(&now, &variances, &wished), now.clarity());
@@ -309,7 +307,7 @@ impl Look<'_> {
         if let Some(variance) = self.evidence.film.filter.beyond() {
             now.covariance = now.spread(variance);
         }
-        let (common, misfit) = (now.common(), misfit(sheet, &now.weights.halves, &now.place.halves));
+        let (common, misfit) = (now.common(), misfit(sheet, &now.weights.halves, &now.here.halves));
         let (held, withheld) = (now.weights.kept.iter().any(|kept| *kept < 1.0), now.withheld());
         let (chi2, pixels) = (now.chi2(), sheet.numbers.len());
         let found =
@@ -328,11 +326,11 @@ impl Look<'_> {
 
     /// Where the scores ask values to move, and how far that is in standard errors: as far as the model can be trusted, and half as far, and so on,
     /// while pixels are surely farther off there. `None` if there is no saying.
-    fn step(&self, now: &Scores, model: &dyn Model, basis: &Basis) -> Option<(Place, f64)> {
-        let (step, here) = (now.step()?, &now.place.values);
+    fn step(&self, now: &Scores, model: &dyn Model, basis: &Basis) -> Option<(Evaluation, f64)> {
+        let (step, here) = (now.step()?, &now.here.values);
         let part = |part: f64| {
             let asked: Vec<f64> = here.iter().zip(&step).zip(self.bounds).map(|((v, s), b)| (v + part * s).clamp(b.0, b.1)).collect();
-            Place::new(model, basis, &model.trusted(&asked), self.bounds)
+            Evaluation::new(model, basis, &model.trusted(&asked), self.bounds)
         };
         let worse = WORSE.min(MOST_EXCESS * (basis.samples.len() as f64 / basis.sets as f64).sqrt());
         let borne = (0..HALVINGS).map(|n| part(0.5f64.powi(n))).find(|place| now.excess(place) < worse)?;
@@ -423,12 +421,12 @@ impl Valley for Whole<'_> {
     }
 
     fn normal_equations(&self, values: &[f64]) -> (Vec<f64>, Symmetric) {
-        let Place { halves, derivatives, .. } = Place::new(self.model, self.basis, values, self.bounds);
+        let Evaluation { halves, derivatives, .. } = Evaluation::new(self.model, self.basis, values, self.bounds);
         products(self.weights, &derivatives, |p, c| 0.5 * (halves[0][p][c] + halves[1][p][c]) - self.target[p][c] as f64)
     }
 }
 
-impl Place {
+impl Evaluation {
     /// What a model says at values inside bounds.
     pub fn new(model: &dyn Model, basis: &Basis, values: &[f64], bounds: &[(f64, f64)]) -> Self {
         let coefficients = |v: &[f64]| model.coefficients(v);

@@ -1,6 +1,7 @@
 //! From the numbers of a material to the coefficients of the basis' columns.
 
 use crate::transport::{Alpha, Monomials};
+use std::ops::Range;
 
 /// The rough materials: what A1… mean.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,12 +28,17 @@ impl Kind {
             _ => None,
         }
     }
+
+    /// The places of the roughnesses among the real arguments.
+    pub fn roughnesses(self) -> Range<usize> {
+        4..if self.anisotropic { 6 } else { 5 }
+    }
 }
 
 /// The coefficients of the four parts for the real arguments `a`, each for red, green and blue (the partition of what is not
 /// absorbed).
 pub fn parts(kind: Kind, a: &[f64]) -> [[f64; 3]; 4] {
-    let at = if kind.anisotropic { 6 } else { 5 };
+    let at = kind.roughnesses().end;
     let (specular, transmission, through) = match kind.transmits {
         true => (a[3], a[at] * (1.0 - a[3]), a[at + 1]),
         false => (a[3], 0.0, 0.0),
@@ -56,7 +62,7 @@ pub fn coefficients(kind: Kind, monomials: &Monomials, grid: &Grid, a: &[f64]) -
     let nodes = match kind.polished {
         true => std::mem::replace(&mut parts[2], [1.0; 3]).map(|reflectance| cubic(&grid[0], reflectance)),
         false => {
-            let nodes = nodes(kind, grid, &a[4..if kind.anisotropic { 6 } else { 5 }]);
+            let nodes = nodes(kind, grid, &a[kind.roughnesses()]);
             [nodes.clone(), nodes.clone(), nodes]
         }
     };

@@ -4,7 +4,7 @@ use super::doubts::Known;
 use super::look::Model;
 use super::model::Kind;
 use super::rough::{self, Sought};
-use super::scores::{Place, Scores};
+use super::scores::{Evaluation, Scores};
 use super::sheet::{COMMON, Channels, Sheet, Weights};
 use super::{Evidence, clear, supported};
 use crate::anneal::linear::Symmetric;
@@ -73,7 +73,7 @@ fn by(model: &mut dyn Model, evidence: &Evidence, unknown: &Unknown, pixels: &[u
     model.tune(&values, None);
     let each = (SAMPLES / (pixels.len() as f64)).clamp(EACH.0, EACH.1);
     let basis = model.trace_all(pixels, each as u32, seed);
-    let place = Place::new(model, &basis, &values, &bounds);
+    let place = Evaluation::new(model, &basis, &values, &bounds);
     let halves = &place.halves;
     // What would be photographed is what is rendered.
     let (width, height) = (evidence.film.width, evidence.film.height);

@@ -152,7 +152,8 @@ fn reach(nodes: &[f64], near: f64, middle: f64) -> (f64, f64) {
 
 /// The places among the real arguments of the roughnesses along the two tangents.
 fn arguments(kind: Kind) -> [usize; 2] {
-    [4, if kind.anisotropic { 5 } else { 4 }]
+    let places = kind.roughnesses();
+    [places.start, places.end - 1]
 }
 
 /// Their places among the parameters; `None` for what is not one.

@@ -1,6 +1,9 @@
 //! How much the values can be trusted that were fitted to the pixels, and which way these pull.
 
-use super::sheet::{Alike, COMMON, Channels, Half, Sheet, Weights, weight};
+mod covariance;
+
+use super::sheet::{Channels, Half, Sheet, Weights, weight};
+use crate::anneal::anywhere;
 use crate::anneal::linear::Symmetric;
 use crate::transport::{Basis, Mixture};
 use rayon::prelude::*;
@@ -21,7 +24,7 @@ pub fn pictures(basis: &Basis, coefficients: &[[Vec<f64>; 3]]) -> Vec<Vec<Half>>
 }
 
 /// What a model says at some values of the parameters.
-pub struct Place {
+pub struct Evaluation {
     /// The values.
     pub values: Vec<f64>,
     /// The picture of each half.
@@ -47,11 +50,6 @@ pub fn products(weights: &[Channels; 2], derivatives: &[Vec<Half>], rest: impl F
     (sums[..n].to_vec(), Symmetric::of(n, |i, j| sums[n + i * n + j]))
 }
 
-/// The variance of a value that may be anywhere between its bounds.
-pub fn anywhere((low, high): (f64, f64)) -> f64 {
-    (high - low).powi(2) / 12.0
-}
-
 /// How far values are to move, and the covariance of that.
 pub type Way = (Vec<f64>, Symmetric);
 
@@ -65,7 +63,7 @@ pub struct Scores<'a> {
     /// How much its pixels count.
     pub weights: Weights,
     /// What the model says there.
-    pub place: Place,
+    pub here: Evaluation,
     /// How far each derivative is to be trusted at each pixel.
     trust: Vec<Vec<f64>>,
     /// What takes scores to steps: nearly the inverse of the matrix that takes values to scores. `None` if the pixels do not determine the values.
@@ -80,15 +78,15 @@ pub struct Scores<'a> {
 
 impl<'a> Scores<'a> {
     /// The scores at a place, for parameters with these bounds.
-    pub fn new(sheet: &'a Sheet<'a>, weights: Weights, place: Place, bounds: &[(f64, f64)]) -> Self {
-        let (derivatives, free) = (&place.derivatives, weights.free());
+    pub fn new(sheet: &'a Sheet<'a>, weights: Weights, here: Evaluation, bounds: &[(f64, f64)]) -> Self {
+        let (derivatives, free) = (&here.derivatives, weights.free());
         let mut curvature = products(&free, derivatives, |_, _| 0.0).1;
         let trust = derivatives.par_iter().with_max_len(1).map(|d| trust(sheet, &weights.halves, d)).collect();
-        let prior = bounds.iter().map(|b| anywhere(*b).max(f64::MIN_POSITIVE).recip()).collect();
+        let prior = bounds.iter().map(|b| anywhere(*b).powi(2).max(f64::MIN_POSITIVE).recip()).collect();
         let n = derivatives.len();
         let unknown = Symmetric::diagonal(&vec![f64::INFINITY; n]);
         let (covariance, own) = (unknown.clone(), unknown);
-        let mut scores = Self { sheet, weights, place, trust, inverse: None, prior, covariance, own };
+        let mut scores = Self { sheet, weights, here, trust, inverse: None, prior, covariance, own };
         let mut slopes = scores.slopes(&free);
         for i in 0..n {
             slopes[i][i] += scores.prior[i];
@@ -107,7 +105,7 @@ impl<'a> Scores<'a> {
     /// For each pair of parameters, the sum over pixels and channels of weight × instrument of one half × what the other half has there, both
     /// ways.
     fn slopes(&self, weights: &[Channels; 2]) -> Vec<Vec<f64>> {
-        let (d, n) = (&self.place.derivatives, self.place.derivatives.len());
+        let (d, n) = (&self.here.derivatives, self.here.derivatives.len());
         let half = |i: usize, j: usize, p: usize, c: usize, h: usize| weights[h][p][c] as f64 * d[i][h][p][c] * d[j][1 - h][p][c];
         let both = |i: usize, j: usize, p: usize| 0.5 * (0..3).map(|c| half(i, j, p, c, 0) + half(i, j, p, c, 1)).sum::<f64>();
         let sums = total(self.pixels(), n * n, |p, sums| {
@@ -121,23 +119,23 @@ impl<'a> Scores<'a> {
     }
 
     fn residual(&self, p: usize, c: usize, half: usize) -> f64 {
-        self.sheet.target[p][c] as f64 - self.place.halves[half][p][c]
+        self.sheet.target[p][c] as f64 - self.here.halves[half][p][c]
     }
 
     /// The product of what both halves are off by at a place, which the noise of the rendering adds nothing to on the average.
-    fn cross(&self, place: &Place, p: usize, c: usize) -> f64 {
+    fn cross(&self, place: &Evaluation, p: usize, c: usize) -> f64 {
         place.halves.iter().map(|half| self.sheet.target[p][c] as f64 - half[p][c]).product()
     }
 
     /// By how many standard errors the pixels are farther off at another place, by the weights that they have at this one.
-    pub fn excess(&self, other: &Place) -> f64 {
-        let more = |p: usize, c: usize| weight(&self.weights.halves, p, c) * (self.cross(other, p, c) - self.cross(&self.place, p, c));
+    pub fn excess(&self, other: &Evaluation) -> f64 {
+        let more = |p: usize, c: usize| weight(&self.weights.halves, p, c) * (self.cross(other, p, c) - self.cross(&self.here, p, c));
         in_standard_errors((0..self.pixels()).map(|p| (0..3).map(|c| more(p, c)).sum()))
     }
 
     /// A pixel's part of the score of parameter `i`.
     fn score(&self, i: usize, p: usize) -> f64 {
-        let d = &self.place.derivatives[i];
+        let d = &self.here.derivatives[i];
         let cross = |c: usize| {
             let half = |h: usize| self.weights.halves[h][p][c] as f64 * d[h][p][c] * self.residual(p, c, 1 - h);
             0.5 * (half(0) + half(1))
@@ -152,7 +150,7 @@ impl<'a> Scores<'a> {
 
     /// The score of each parameter.
     fn scores(&self) -> Vec<f64> {
-        total(self.pixels(), self.place.derivatives.len(), |p, sums| {
+        total(self.pixels(), self.here.derivatives.len(), |p, sums| {
             sums.iter_mut().enumerate().for_each(|(i, sum)| *sum += self.score(i, p))
         })
     }
@@ -229,149 +227,23 @@ impl<'a> Scores<'a> {
             });
             if sums[1] > 0.0 { (sums[0] / sums[1]).clamp(0.0, 1.0) } else { 0.0 }
         };
-        self.place.derivatives.iter().map(clarity).collect()
+        self.here.derivatives.iter().map(clarity).collect()
     }
 
     /// How far another place is: the largest part of the way, in standard errors.
-    pub fn length(&self, other: &Place) -> f64 {
-        let way: Vec<f64> = other.values.iter().zip(&self.place.values).map(|(there, here)| there - here).collect();
+    pub fn length(&self, other: &Evaluation) -> f64 {
+        let way: Vec<f64> = other.values.iter().zip(&self.here.values).map(|(there, here)| there - here).collect();
         length(&way, &self.covariance.deviations())
     }
 
     /// χ² of equation 11, without what the noise of the rendering adds to it.
     pub fn chi2(&self) -> f64 {
-        (0..self.pixels()).map(|p| self.sheet.weight(p) * (0..3).map(|c| self.cross(&self.place, p, c)).sum::<f64>()).sum()
+        (0..self.pixels()).map(|p| self.sheet.weight(p) * (0..3).map(|c| self.cross(&self.here, p, c)).sum::<f64>()).sum()
     }
 
     /// How far each pixel is off, with fixed weights, without what the noise of the rendering adds to it.
     pub fn losses(&self, weights: &Channels) -> Vec<f64> {
-        (0..weights.len()).map(|p| (0..3).map(|c| weights[p][c] as f64 * self.cross(&self.place, p, c)).sum()).collect()
-    }
-
-    /// Covariances of the values: by all that makes the residuals and by the rounding of the target, and by the noise of the rendering alone.
-    ///
-    /// The sandwich form (White 1980), the scores summed per pixel over the channels, whose errors go together, each as it would be had the values
-    /// been found without it (MacKinnon and White 1985, HC3). What is held back has a score but no slope (Huber 1981, section 3.2).
-    fn covariances(&self, inverse: &[Vec<f64>]) -> (Symmetric, Symmetric) {
-        let n = self.place.derivatives.len();
-        let sums = total(self.pixels(), 2 * n * n, |p, sums| {
-            let (all, own) = sums.split_at_mut(n * n);
-            let alone = 1.0 / (1.0 - self.leverage(inverse, p).clamp(0.0, MOST_LEVERAGE));
-            add_square(all, &self.pull(inverse, p).iter().map(|pull| alone * pull).collect::<Vec<_>>());
-            for half in 0..2 {
-                let noise = |c: usize| {
-                    0.5 * 0.5f64.sqrt() * (self.place.halves[0][p][c] - self.place.halves[1][p][c]) * self.weights.halves[half][p][c] as f64
-                };
-                let score = |i: usize| self.trust[i][p] * (0..3).map(|c| noise(c) * self.place.derivatives[i][half][p][c]).sum::<f64>();
-                add_square(own, &times(inverse, &(0..n).map(score).collect::<Vec<_>>()));
-            }
-        });
-        let (mut all, own) = (sums[..n * n].to_vec(), &sums[n * n..]);
-        // Residuals tell of the rounding of each value, but not that it is the same where the value is.
-        for alike in self.weights.rounded.iter() {
-            add_square(&mut all, &self.rounded(inverse, alike));
-        }
-        // What as many steps again would do is not known either; what the pixels leave open, the bounds still tell.
-        add_square(&mut all, &times(inverse, &self.scores()));
-        for i in 0..n {
-            let known: Vec<f64> = (0..n).map(|j| if i == j { self.prior[i].sqrt() } else { 0.0 }).collect();
-            add_square(&mut all, &times(inverse, &known));
-        }
-        (Symmetric::of(n, |i, j| all[i * n + j]), Symmetric::of(n, |i, j| own[i * n + j]))
-    }
-
-    /// Which part of a pixel's error the values follow: near 1 where they were found by that pixel alone.
-    fn leverage(&self, inverse: &[Vec<f64>], p: usize) -> f64 {
-        let d = &self.place.derivatives;
-        let followed = |c: usize, half: usize| -> f64 {
-            let asked = |i: usize| self.trust[i][p] * d[i][half][p][c];
-            let moved = |row: &[f64]| row.iter().enumerate().map(|(i, inverse)| inverse * asked(i)).sum::<f64>();
-            self.weights.halves[half][p][c] as f64 * inverse.iter().zip(d).map(|(row, d)| d[1 - half][p][c] * moved(row)).sum::<f64>()
-        };
-        (0..3).map(|c| 0.5 * (followed(c, 0) + followed(c, 1))).sum()
-    }
-
-    /// How far the rounding of what is rounded alike moves the values of the parameters.
-    fn rounded(&self, inverse: &[Vec<f64>], alike: &Alike) -> Vec<f64> {
-        let mut scores = vec![0.0; inverse.len()];
-        for &(p, c, error) in alike.iter().filter(|value| self.weights.kept[value.0] == 1.0) {
-            let error = error as f64 * weight(&self.weights.halves, p, c);
-            scores.iter_mut().enumerate().for_each(|(i, score)| *score += error * self.instrument(i, p, c));
-        }
-        times(inverse, &scores)
-    }
-
-    /// What asks for a parameter at a channel of a pixel.
-    fn instrument(&self, i: usize, p: usize, c: usize) -> f64 {
-        self.trust[i][p] * 0.5 * (self.place.derivatives[i][0][p][c] + self.place.derivatives[i][1][p][c])
-    }
-
-    /// What an error of the picture that is as large a part of each value as [`COMMON`] does to the values, where its signs do most harm:
-    /// its size on the diagonal, and beside it how what it does to two values goes together.
-    ///
-    /// Standard errors take the errors of pixels for independent, so that thousands of pixels can tell a value by changes of a thousandth.
-    /// Those of a shape, of a measured light, of the formula of a lobe are not, and no number of pixels averages them out.
-    pub fn common(&self) -> Symmetric {
-        let value = |p: usize, c: usize| 0.5 * (self.place.halves[0][p][c] + self.place.halves[1][p][c]).abs();
-        let (squares, sizes) = self.moved(|p, c| COMMON * value(p, c) * weight(&self.weights.halves, p, c));
-        let correlations = squares.correlations();
-        // What does not move goes together with nothing.
-        let together = |i: usize, j: usize| if sizes[i] * sizes[j] > 0.0 { sizes[i] * sizes[j] * correlations.at(i, j) } else { 0.0 };
-        Symmetric::of(sizes.len(), |i, j| if i == j { sizes[i].powi(2) } else { together(i, j) })
-    }
-
-    /// The covariance of the values where a filter has spread the photograph's noise over neighbouring pixels: pixels at the distance d then have
-    /// the correlation exp(−d²/4`variance`), and what they do to a value together is more than if they were independent, or less.
-    /// The rendering's noise is not spread.
-    pub fn spread(&self, variance: f64) -> Symmetric {
-        let n = self.place.derivatives.len();
-        let Some(inverse) = &self.inverse else { return self.covariance.clone() };
-        let moved = |p: usize, c: usize| self.pulled(inverse, p, c, weight(&self.weights.halves, p, c).sqrt());
-        let all: Vec<[Vec<f64>; 3]> = (0..self.pixels()).into_par_iter().map(|p| std::array::from_fn(|c| moved(p, c))).collect();
-        let factor = |i: usize| {
-            let field: Vec<[f64; 3]> = all.iter().map(|moved| std::array::from_fn(|c| moved[c][i])).collect();
-            let product = |(a, b): (&[f64; 3], &[f64; 3])| (0..3).map(|c| a[c] * b[c]).sum::<f64>();
-            let [alone, together] =
-                [&field, &self.sheet.correlated(&field, variance)].map(|other| field.iter().zip(other).map(product).sum::<f64>());
-            let photographed = (1.0 - self.own.at(i, i) / self.covariance.at(i, i)).max(0.0);
-            if alone > 0.0 && photographed > 0.0 { (1.0 + photographed * (together / alone - 1.0)).sqrt() } else { 1.0 }
-        };
-        let factors: Vec<f64> = (0..n).map(factor).collect();
-        Symmetric::of(n, |i, j| factors[i] * factors[j] * self.covariance.at(i, j))
-    }
-
-    /// The covariance of the values that is to be expected of a picture whose noise is what the weights say.
-    pub fn expected(&self) -> Symmetric {
-        let mut all = self.moved(|p, c| weight(&self.weights.halves, p, c).sqrt()).0;
-        if let Some(inverse) = &self.inverse {
-            let known = |i: usize, j: usize| (0..self.prior.len()).map(|k| inverse[i][k] * inverse[j][k] * self.prior[k]).sum::<f64>();
-            all = Symmetric::of(all.size(), |i, j| all.at(i, j) + known(i, j));
-        }
-        all
-    }
-
-    /// What an error of that weight in a channel of a pixel does to the values.
-    fn pulled(&self, inverse: &[Vec<f64>], p: usize, c: usize, error: f64) -> Vec<f64> {
-        times(inverse, &(0..self.prior.len()).map(|j| self.instrument(j, p, c) * error).collect::<Vec<_>>())
-    }
-
-    /// What errors of that weight in each pixel and channel do to the values: the sum of their products, and of their sizes. What is held back
-    /// they do not move.
-    fn moved(&self, error: impl Fn(usize, usize) -> f64 + Sync) -> (Symmetric, Vec<f64>) {
-        let n = self.place.derivatives.len();
-        let Some(inverse) = &self.inverse else { return (Symmetric::diagonal(&vec![f64::INFINITY; n]), vec![f64::INFINITY; n]) };
-        let sums = total(self.pixels(), n + n * n, |p, sums| {
-            if self.weights.kept[p] < 1.0 {
-                return;
-            }
-            let (sizes, squares) = sums.split_at_mut(n);
-            for c in 0..3 {
-                let moved = self.pulled(inverse, p, c, error(p, c));
-                sizes.iter_mut().zip(&moved).for_each(|(size, m)| *size += m.abs());
-                add_square(squares, &moved);
-            }
-        });
-        (Symmetric::of(n, |i, j| sums[n + i * n + j]), sums[..n].to_vec())
+        (0..weights.len()).map(|p| (0..3).map(|c| weights[p][c] as f64 * self.cross(&self.here, p, c)).sum()).collect()
     }
 }
 
@@ -403,7 +275,7 @@ pub fn influence(scores: &Scores, variances: &[Vec<[f64; 3]>; 2], wished: &[f64]
     let Some(inverse) = &scores.inverse else { return vec![1.0; scores.pixels()] };
     let n = wished.len();
     let half = |half: usize, p: usize| -> f64 {
-        let instrument = |j: usize, c: usize| scores.trust[j][p].sqrt() * scores.place.derivatives[j][half][p][c];
+        let instrument = |j: usize, c: usize| scores.trust[j][p].sqrt() * scores.here.derivatives[j][half][p][c];
         let moved = |i: usize, c: usize| (0..n).map(|j| inverse[i][j] * instrument(j, c)).sum::<f64>() / wished[i];
         let weight = |c: usize| scores.weights.halves[half][p][c] as f64;
         let channel = |c: usize| variances[half][p][c] * weight(c).powi(2) * (0..n).map(|i| moved(i, c).powi(2)).sum::<f64>();
@@ -429,9 +301,6 @@ const PERHAPS: f64 = 2.25;
 /// How much of what two halves are off by, in terms of their mean's square, they must have in common for it to be the photograph's: the mean of
 /// their squares is twice their product then.
 const AGREED: f64 = 2.0 / 3.0;
-
-/// The most of a pixel's error that values are taken to follow.
-const MOST_LEVERAGE: f64 = 0.95;
 
 /// The sum of independent differences in terms of its standard error, if their mean is next to nothing.
 pub fn in_standard_errors(differences: impl Iterator<Item = f64>) -> f64 {

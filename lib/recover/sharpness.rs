@@ -6,7 +6,7 @@
 use super::Recovery;
 use super::doubts::digits;
 use super::look::{Look, Model};
-use super::scores::{Place, Scores, Way};
+use super::scores::{Evaluation, Scores, Way};
 use super::sheet::{Half, Sheet};
 use crate::anneal::linear::Symmetric;
 use crate::render::Filter;
@@ -78,7 +78,7 @@ impl Look<'_> {
     ///
     /// To first order the variance of a blur changes a picture by half its Laplacian, times that: it is one more value to fit, beside the others.
     fn blur(&self, sheet: &Sheet, model: &dyn Model, basis: &Basis, values: &[f64]) -> Option<(Blur, Way)> {
-        let Place { mut values, mut halves, mut derivatives } = Place::new(model, basis, values, self.bounds);
+        let Evaluation { mut values, mut halves, mut derivatives } = Evaluation::new(model, basis, values, self.bounds);
         let variances = sheet.variances(&halves, basis);
         let (n, mut bounds) = (values.len(), self.bounds.to_vec());
         values.push(0.0);
@@ -87,10 +87,10 @@ impl Look<'_> {
         let mut covariance = None;
         for _ in 0..STEPS {
             let weights = sheet.by_variance(&halves, &variances, &basis.samples);
-            let scores = Scores::new(sheet, weights, Place { values, halves, derivatives }, &bounds);
+            let scores = Scores::new(sheet, weights, Evaluation { values, halves, derivatives }, &bounds);
             let step = scores.step()?;
             covariance = Some(scores.covariance);
-            Place { values, halves, derivatives } = scores.place;
+            Evaluation { values, halves, derivatives } = scores.here;
             values.iter_mut().zip(&step).for_each(|(value, step)| *value += step);
             for (derivative, step) in derivatives.iter().zip(&step) {
                 for (value, slope) in halves.iter_mut().flatten().flatten().zip(derivative.iter().flatten().flatten()) {

@@ -5,6 +5,7 @@
 
 use super::model::{Kind, parts};
 use super::{Evidence, Recovery};
+use crate::anneal::Parameter;
 use crate::unknown::Unknown;
 use std::collections::BTreeMap;
 
@@ -36,7 +37,7 @@ pub struct Trial {
 
 /// What another type than the chosen one is to be thought of.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Standing {
+pub enum Rival {
     /// It says the same in other numbers.
     Same,
     /// It says something else, and the picture does not tell which is right.
@@ -49,8 +50,8 @@ pub enum Standing {
 pub struct Verdict {
     /// The place of the chosen type among the trials.
     pub chosen: usize,
-    /// Each type that was tried, and its standing; the chosen one is the same as itself.
-    pub standings: Vec<(String, Standing)>,
+    /// Each type that was tried, and what it is beside the chosen one, which is the same as itself.
+    pub rivals: Vec<(String, Rival)>,
     /// Whether more pixels would hardly say otherwise.
     pub sure: bool,
 }
@@ -62,7 +63,7 @@ impl Trial {
         let lobes = Kind::named(&kind).map(|kind| {
             let numbers = |values: &[f64]| lobes(kind, &unknown.reals(values));
             let at = numbers(&recovery.values);
-            let bounds = unknown.parameters().iter().map(|p| p.high - p.low);
+            let bounds = unknown.parameters().iter().map(Parameter::range);
             let slopes: Vec<Vec<f64>> = bounds
                 .enumerate()
                 .map(|(i, range)| {
@@ -163,25 +164,25 @@ pub fn choose(trials: &[Trial], sample: &Sample) -> Verdict {
         trials[a].free.cmp(&trials[b].free).then(nearer)
     });
     let chosen = chosen.unwrap_or(best);
-    let standing = |i: usize| {
+    let rival = |i: usize| {
         let same = i == chosen || trials[i].same(&trials[chosen]) || trials[i].contains(&trials[chosen]);
         match distance(i, best) {
-            _ if same => Standing::Same,
-            z if z >= EXCLUDED => Standing::Excluded(distance(i, chosen).max(EXCLUDED)),
-            _ => Standing::Open,
+            _ if same => Rival::Same,
+            z if z >= EXCLUDED => Rival::Excluded(distance(i, chosen).max(EXCLUDED)),
+            _ => Rival::Open,
         }
     };
-    let standings: Vec<(String, Standing)> = (0..trials.len()).map(|i| (trials[i].kind.clone(), standing(i))).collect();
+    let rivals: Vec<(String, Rival)> = (0..trials.len()).map(|i| (trials[i].kind.clone(), rival(i))).collect();
     let near = distance(chosen, best) < NEAR;
-    let surely = |i: usize| match standings[i].1 {
-        Standing::Same => {
+    let surely = |i: usize| match rivals[i].1 {
+        Rival::Same => {
             let (one, other) = (&trials[i], &trials[chosen]);
             i == chosen || one.same_within(other, SURELY_WITHIN) || one.contains(other) && near
         }
         other => other.is_out(),
     };
     let sure = (0..trials.len()).all(surely);
-    Verdict { chosen, standings, sure }
+    Verdict { chosen, rivals, sure }
 }
 
 /// By how many standard errors `a` is worse than `b`: the logarithm of the ratio of their likelihoods, by its own standard error. The scatter of
@@ -199,7 +200,7 @@ fn vuong(a: &Trial, b: &Trial, blocks: &[usize]) -> f64 {
     mean * blocks.len() as f64 / error.max(f64::MIN_POSITIVE)
 }
 
-impl Standing {
+impl Rival {
     /// Whether it surely is another type.
     pub fn is_out(&self) -> bool {
         matches!(self, Self::Excluded(z) if *z >= SURE)
@@ -209,17 +210,17 @@ impl Standing {
 impl Verdict {
     /// What is to be said of it, on a line: `type plastic (as good: metal, the same reflectance); glass excluded by 12 standard errors`.
     pub fn title(&self) -> String {
-        let kinds = |standing: Standing, what: &str| -> Vec<String> {
-            let others = self.standings.iter().enumerate().filter(|(i, (_, s))| *i != self.chosen && *s == standing);
+        let kinds = |rival: Rival, what: &str| -> Vec<String> {
+            let others = self.rivals.iter().enumerate().filter(|(i, (_, s))| *i != self.chosen && *s == rival);
             others.map(|(_, (kind, _))| format!("{kind}, {what}")).collect()
         };
-        let good = [kinds(Standing::Same, "the same reflectance"), kinds(Standing::Open, "another reflectance")].concat();
-        let mut text = format!("type {}", self.standings[self.chosen].0);
+        let good = [kinds(Rival::Same, "the same reflectance"), kinds(Rival::Open, "another reflectance")].concat();
+        let mut text = format!("type {}", self.rivals[self.chosen].0);
         if !good.is_empty() {
             text += &format!(" (as good: {})", good.join("; "));
         }
-        for (kind, standing) in &self.standings {
-            if let Standing::Excluded(z) = standing {
+        for (kind, rival) in &self.rivals {
+            if let Rival::Excluded(z) = rival {
                 text += &format!("; {kind} excluded by {z:.0} standard errors");
             }
         }
@@ -228,11 +229,11 @@ impl Verdict {
 
     /// What there is to doubt.
     pub fn doubts(&self) -> Vec<String> {
-        let open: Vec<&str> = self.standings.iter().filter(|(_, s)| *s == Standing::Open).map(|(kind, _)| &**kind).collect();
+        let open: Vec<&str> = self.rivals.iter().filter(|(_, s)| *s == Rival::Open).map(|(kind, _)| &**kind).collect();
         if open.is_empty() {
             return vec![];
         }
-        let chosen = &self.standings[self.chosen].0;
+        let chosen = &self.rivals[self.chosen].0;
         vec![format!("this picture does not tell {chosen} from {}: they fit as well, and {chosen} is the simplest", open.join(" and "))]
     }
 }

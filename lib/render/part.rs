@@ -1,6 +1,7 @@
 //! A part of a picture's samples as numbers that lose nothing, and the whole made of parts.
 
 use super::{GROUPS, Pixel, Rendering};
+use crate::color::to_pixel;
 use crate::error::{Error, Result};
 use crate::picture::Header;
 use crate::picture::exr::{Plane, Planes, Samples};
@@ -19,7 +20,7 @@ pub fn part(width: usize, height: usize, mut header: Header, samples: &Range<u32
     let pixels = &rendering.pixels;
     header.push(&format!("{RANGE} {}..{}", samples.start, samples.end));
     let mut planes = Planes { width, height, header, planes: Vec::new() };
-    let means: Vec<[f32; 3]> = pixels.iter().map(|p| p.mean().to_array().map(|v| v as f32)).collect();
+    let means: Vec<[f32; 3]> = pixels.iter().map(|p| to_pixel(p.mean())).collect();
     planes.push_picture("", &means);
     let mut push = |name: &str, of: &dyn Fn(&Pixel) -> u32| {
         planes.planes.push(Plane { name: name.into(), samples: Samples::U32(pixels.iter().map(of).collect()) });

@@ -1,5 +1,6 @@
 //! Pictures of a recovery: the photograph again, and a sphere of what was found.
 
+use crate::color::to_pixel;
 use crate::error::{Result, Source};
 use crate::expand::Flat;
 use crate::geometry::Ray;
@@ -99,7 +100,7 @@ impl Setting<'_> {
             seed: self.seed,
         };
         let pixels = render(&task, &|| false, &mut |_| {}).pixels;
-        let pixels = pixels.iter().map(|p| p.mean().to_array().map(|v| v as f32)).collect();
+        let pixels = pixels.iter().map(|p| to_pixel(p.mean())).collect();
         Picture { width: film.width, height: film.height, header: Header::default(), pixels }
     }
 

@@ -67,17 +67,6 @@ impl World {
             world.removable = vec![false; world.chains.len()];
             world.materials.iter().flat_map(|m| &m.removes).for_each(|&chain| world.removable[chain] = true);
         }
-        let mut mirrors = Vec::new();
-        for surface in &surfaces {
-            if let (Form::Shape(shape), Some(&chain)) = (&surface.form, surface.chains.first())
-                && world.is_mirror(chain)
-                && let Some(plane) = shape.plane()
-            {
-                let bounds = shape.bounds();
-                let radius = (bounds.max - bounds.min).length() / 2.0;
-                mirrors.push((surface as *const scene::Surface, plane, bounds.center(), radius));
-            }
-        }
         let (mut groups, mut bodies, mut relays) = (Groups::new(), Vec::new(), Vec::new());
         for surface in &surfaces {
             let Some((body, mut built)) = world.surface(surface, false, &mut groups)? else { continue };
@@ -85,9 +74,17 @@ impl World {
                 let form = || Ok((light::Form::of(shape.clone()), shape.light()?));
                 let form = || form().map_err(|e: &str| surface.place.error(format!("`{}`: {e}", surface.name)));
                 built.lamp = world.lamp(surface.chains[0], form)?;
-            }
-            if let Some(&(_, plane, center, radius)) = mirrors.iter().find(|m| std::ptr::eq(m.0, surface)) {
-                relays.push(Mirror { surface: world.surfaces.len() as u32, plane, center, radius });
+                if world.is_mirror(surface.chains[0])
+                    && let Some(plane) = shape.plane()
+                {
+                    let (number, bounds) = (world.surfaces.len() as u32, shape.bounds());
+                    relays.push(Mirror {
+                        surface: number,
+                        plane,
+                        center: bounds.center(),
+                        radius: (bounds.max - bounds.min).length() / 2.0,
+                    });
+                }
             }
             bodies.push(body);
             world.surfaces.push(built);
@@ -235,7 +232,7 @@ impl World {
         let (radiance, radius, focus) = match material {
             Material::Light(radiance) | Material::Illum(radiance) => (radiance, f64::INFINITY, 0.0),
             Material::Spotlight(radiance, _, aim) => (radiance, f64::INFINITY, aim.length()),
-            Material::Glow(radiance, radius) if *radius > 1e-6 => (radiance, *radius, 0.0),
+            Material::Glow(radiance, radius) if *radius > TINY => (radiance, *radius, 0.0),
             _ => return Ok(None),
         };
         let (brightness, largest) = (bright(*radiance).abs(), radiance.max_element());
@@ -244,11 +241,11 @@ impl World {
         let distant = matches!(form, light::Form::Distant(..));
         // RADIANCE takes a flat spotlight that does not aim to its front for no lamp.
         let averted = match (material, extent.facing) {
-            (Material::Spotlight(_, _, aim), Facing::Front(normal)) => aim.normalize().dot(normal) <= 1e-6,
+            (Material::Spotlight(_, _, aim), Facing::Front(normal)) => aim.normalize().dot(normal) <= TINY,
             _ => false,
         };
         // A light without light is dropped; a distant glow is never a lamp.
-        if largest <= 1e-6 || distant && glow || averted {
+        if largest <= TINY || distant && glow || averted {
             return Ok(None);
         }
         let shared = focus == 0.0 && !illum;
@@ -285,7 +282,7 @@ impl World {
         for (i, later) in self.sources.iter().enumerate() {
             let hidden = self.sources[..i]
                 .iter()
-                .any(|s| s.lamp.is_some() && s.direction.angle_between(later.direction) <= half(s) + half(later) + 1e-6);
+                .any(|s| s.lamp.is_some() && s.direction.angle_between(later.direction) <= half(s) + half(later) + TINY);
             if let (Some(lamp), true) = (later.lamp, hidden) {
                 self.lamps[lamp].shared = false;
             }

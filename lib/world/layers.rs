@@ -5,7 +5,7 @@ use crate::accel::Hit;
 use crate::bsdf::{Bsdf, Point};
 use crate::color::Rgb;
 use crate::error::{Source as Text, Span};
-use crate::geometry::{FAR, Ray};
+use crate::geometry::{FAR, Ray, TINY};
 use crate::material::{Inside, Material, Reflectance};
 use crate::pattern::At;
 use crate::rules::Rules;
@@ -93,7 +93,7 @@ pub enum Emitter {
 
 /// Whether a glow that far away is beyond its radius. One without any, below 0, is not; as in RADIANCE, which takes it for a lamp there.
 fn is_beyond(distance: f64, radius: f64) -> bool {
-    radius >= -1e-6 && distance > radius
+    radius >= -TINY && distance > radius
 }
 
 impl Emission {
@@ -137,7 +137,7 @@ impl World {
         let (pattern, _) = apply(&chain.links, &At::distant(direction, origin), Rgb::ONE, Vec3::ZERO);
         Some(match &material.material {
             Material::Glow(radiance, radius) => {
-                let seen = if *radius < -1e-6 || *radius >= FAR { Emitter::Hidden } else { Emitter::Environment };
+                let seen = if *radius < -TINY || *radius >= FAR { Emitter::Hidden } else { Emitter::Environment };
                 Emission { radiance: *radiance * pattern, emitter: seen, beyond: is_beyond(FAR, *radius) }
             }
             material => {
@@ -164,14 +164,10 @@ impl World {
             coming,
             distance: hit.t,
             at: At {
-                direction,
-                normal: hit.normal,
-                point: hit.point,
                 t: coming.travelled + hit.t,
                 ts: hit.t,
-                rdot: (-direction.dot(hit.normal)).clamp(-1.0, 1.0),
-                uv: [0.0; 2],
                 instance: found.frame.as_ref(),
+                ..At::surface(direction, hit.normal, hit.point)
             },
             flipped: false,
             clip: None,
@@ -252,7 +248,7 @@ impl Place<'_> {
             End::Mixture(coefficient, fore, back) => match coefficient.coefficient(&self.at) {
                 Ok(c) => {
                     for (share, chain) in [(c, *fore), (1.0 - c, *back)] {
-                        if share > 1e-6 {
+                        if share > TINY {
                             self.walk(chain, fraction * share, pattern, perturbation);
                         }
                     }
@@ -339,7 +335,7 @@ impl Place<'_> {
                     Some(lamp) if aimed == Some(lamp) || world.lamps[lamp].lights(self.coming.ray.origin, self.distance) => {
                         Emitter::Lamp(lamp)
                     }
-                    _ if *radius < -1e-6 || self.distance <= *radius => Emitter::Hidden,
+                    _ if *radius < -TINY || self.distance <= *radius => Emitter::Hidden,
                     _ => Emitter::Glow,
                 };
                 layer.emission = Some(Emission { radiance: *radiance * pattern, emitter, beyond: is_beyond(self.at.t, *radius) });
@@ -421,7 +417,7 @@ fn apply(links: &[Link], at: &At, mut pattern: Rgb, mut perturbation: Vec3) -> (
                 let (coefficient, fore, back) = &**mixture;
                 if let Ok(c) = coefficient.coefficient(at) {
                     let mix = |links: &[Link], share: f64| {
-                        if share > 1e-6 { apply(links, at, pattern, perturbation) } else { (pattern, perturbation) }
+                        if share > TINY { apply(links, at, pattern, perturbation) } else { (pattern, perturbation) }
                     };
                     let (a, b) = (mix(fore, c), mix(back, 1.0 - c));
                     (pattern, perturbation) = (a.0 * c + b.0 * (1.0 - c), a.1 * c + b.1 * (1.0 - c));

@@ -1,19 +1,17 @@
 //! anneal: what material it is, by simulated annealing.
 
 use inverad::args::anneal::{Arguments, Job, SearchOptions};
-use inverad::cli::auto::{Taken, opened, take};
+use inverad::cli::auto::opened;
 use inverad::cli::exec::{Exec, last_number};
-use inverad::cli::kept::Kept;
 use inverad::cli::photo::{Direct, Photo};
 use inverad::cli::predict::predict;
-use inverad::cli::report::{self, Trail};
+use inverad::cli::recovery::recover;
+use inverad::cli::report;
 use inverad::cli::search::{Objective, Search, Watch};
-use inverad::cli::{self, Answer, Console, Input, Outcome, Output, interrupted};
+use inverad::cli::{self, Answer, Console, Input, Outcome, Output};
 use inverad::error::Error;
-use inverad::recover::{Effort, answer, recover};
 use std::path::Path;
 use std::process::ExitCode;
-use std::time::Instant;
 
 fn main() -> ExitCode {
     cli::main("anneal", run)
@@ -22,7 +20,7 @@ fn main() -> ExitCode {
 fn run(arguments: Arguments, console: &Console) -> Outcome<Answer> {
     let (output, job) = (arguments.common.output.as_deref(), arguments.job()?);
     let SearchOptions { state, report, log, .. } = &arguments.search;
-    Output::possible([output, state.as_deref(), report.as_deref(), log.as_deref()].into_iter().flatten())?;
+    Output::check([output, state.as_deref(), report.as_deref(), log.as_deref()].into_iter().flatten())?;
     match job {
         Job::Search(start) => search(&start, &arguments, console),
         Job::Propose(state, start) => {
@@ -67,53 +65,13 @@ fn search(start: &str, arguments: &Arguments, console: &Console) -> Outcome<Answ
             let photo = Photo::new(&unknown, Some(target), arguments, console)?;
             anneal(search, &mut Direct::new(&photo, arguments.loss())?, Some(&photo), arguments, console)
         }
-        (None, Some(target)) => look(start, target, arguments, console),
+        (None, Some(target)) => recover(start, target, arguments, console),
         (None, None) if photo.predict => predict(start, arguments, console),
         (None, None) => {
             let message = "what shows the unknown? give --scene SCENE -vf VIEW --target PICTURE (or --predict), or --exec 'COMMAND that prints chi-squared'";
             Err(Error::new(message).into())
         }
     }
-}
-
-/// Recovers the material from the picture by the basis of its transport.
-fn look(start: &str, target: &str, arguments: &Arguments, console: &Console) -> Outcome<Answer> {
-    let options = arguments.options()?;
-    arguments.idle().iter().for_each(|option| console.note(&format!("{option} is for --exec and --direct; it does nothing here")));
-    let (begin, stopped) = (Instant::now(), interrupted());
-    let until = || if stopped() { Some(begin) } else { arguments.time().map(|time| begin + time) };
-    let effort = Effort::new(options.seed, options.tolerance, &until);
-    let Taken { mut photo, mut title, mut doubts, around, asked, found } = take(start, target, effort, arguments, console)?;
-    let unknown = &photo.unknown().clone();
-    let (found, rounds) = found.unzip();
-    let trail = Trail::new(unknown, rounds, arguments.search.log.as_deref())?;
-    let effort = Effort { around: around.as_deref(), told: &|found| trail.hear(found, console), ..effort };
-    let (found, cut) = match found {
-        Some(found) => (found, false),
-        None => {
-            let found = recover(&photo.evidence(), unknown, photo.material(), effort, &|so_far| console.progress(|| so_far.into()))?;
-            trail.hear(&found, console);
-            let cut = stopped();
-            if let Some(path) = arguments.search.state.as_ref().filter(|_| !cut) {
-                Kept::save(path, asked, &unknown.material().kind, &title, &doubts, &found, &trail)?;
-            }
-            (found, cut)
-        }
-    };
-    cut.then(|| console.note("interrupted: the values are those of the samples taken by then"));
-    let answer = answer::Answer::new(unknown, &found.values, Some(&found.known()));
-    title.extend(photo.blurred(&found));
-    title.push(format!("chi2 {} over {} pixels", answer::six(found.chi2), found.pixels));
-    Output::whole(arguments.common.output.as_deref(), &answer.file(&title)?)?;
-    doubts.extend_from_slice(answer.doubts());
-    doubts.iter().for_each(|doubt| console.warn(doubt));
-    if let Some(path) = &arguments.search.report {
-        report::of_recovery(path, &found, &answer, &photo, &trail, console)?;
-    }
-    trail.written()?;
-    let missed = options.tolerance.and_then(|tolerance| answer::missed(unknown.parameters(), &found.errors(), tolerance));
-    missed.iter().for_each(|missed| console.warn(missed));
-    Ok(if missed.is_none() && !cut { Answer::Yes } else { Answer::No })
 }
 
 /// Searches for the unknown with someone who judges each candidate.

@@ -8,7 +8,7 @@ use inverad::expand::{Flat, expand, expand_all_errors};
 use inverad::import::is_octree;
 use inverad::inventory::Inventory;
 use inverad::rad::{self, Document, Links, Type};
-use inverad::{cal, resolve::Resolve};
+use inverad::resolve::Resolve;
 use std::io::{self, Write};
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -22,7 +22,7 @@ fn main() -> ExitCode {
 
 fn run(args: Args, console: &Console) -> Outcome<Answer> {
     let input = Input::default();
-    let disk = Disk::new(args.scenes.commands, cal::shipped, console);
+    let disk = Disk::new(args.scenes.commands, console);
     let mut sources = Vec::new();
     for name in &args.files {
         let (name, bytes) = cli::typed(&input, name, &disk)?;

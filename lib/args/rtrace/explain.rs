@@ -4,6 +4,7 @@ use super::{Arguments, Light, Tuning};
 use crate::color::Rgb;
 use crate::error::Result;
 use crate::rays::Space;
+use crate::rules::UNWEIGHTED;
 use std::fmt::Display;
 use std::fmt::Write;
 
@@ -84,7 +85,7 @@ impl Said {
         self.option("-ss", light.ss, |s| match s {
             0.0 => "rough surfaces reflect like mirrors".into(),
             s if s < 1.0 => "RADIANCE's unweighted sample of rough reflection, narrowed".into(),
-            s if s <= 1.5 => "RADIANCE's unweighted sample of rough reflection".into(),
+            s if s <= UNWEIGHTED => "RADIANCE's unweighted sample of rough reflection".into(),
             _ => "the rough lobe itself, which RADIANCE approaches with many samples".into(),
         });
         self.option("-dj", light.dj, |j| match (j, light.ds) {
@@ -231,12 +232,13 @@ pub fn defaults(arguments: &Arguments) -> Result<String> {
     let color = |name: &str, value: Rgb| format!("{name} {} {} {}", value.x, value.y, value.z);
     let bounces = Some(rules.ambient_bounces).filter(|n| *n < u32::MAX).map(f64::from);
     line(switch("-w", tuning.w.unwrap_or(true)), "warning messages");
-    line(format!("-x {}", picture.x.unwrap_or(0)), "flush interval");
-    line(format!("-y {}", picture.y.unwrap_or(0)), "y resolution");
-    line(switch("-ld", rays.limit.unwrap_or(false)), "limit distance");
-    line(switch("-h", rays.header.unwrap_or(true)), "output header");
-    line(format!("-f{}", rays.format.as_deref().unwrap_or("aa")), "format input/output");
-    line(format!("-o{}", rays.specifiers.as_deref().unwrap_or("v")), "output values");
+    let (x, y) = picture.lines();
+    line(format!("-x {x}"), "flush interval");
+    line(format!("-y {y}"), "y resolution");
+    line(switch("-ld", rays.limited()), "limit distance");
+    line(switch("-h", rays.header()), "output header");
+    line(format!("-f{}", rays.format()), "format input/output");
+    line(format!("-o{}", rays.specifiers()), "output values");
     let space = match picture.space() {
         Space::Rgb => "-pRGB",
         Space::Xyz => "-pXYZ",
@@ -246,7 +248,7 @@ pub fn defaults(arguments: &Arguments) -> Result<String> {
     };
     line(space.into(), "color output");
     line(switch("-i", rules.irradiance), "irradiance calculation");
-    line(switch("-I", rays.point_irradiance.unwrap_or(false)), "immediate irradiance calculation");
+    line(switch("-I", rays.point_irradiance()), "immediate irradiance calculation");
     line(switch("-u", tuning.u.unwrap_or(false)), "uncorrelated sampling (--seed fixes every choice)");
     line(switch("-bv", rules.back_visible), "back face visibility");
     line("-dt 0".into(), "direct threshold");

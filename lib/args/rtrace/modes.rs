@@ -20,8 +20,8 @@ pub fn ends_in(path: &Path, ends: &[&str]) -> bool {
 
 impl Arguments {
     /// Refuses what asks for something that would not come about, or under a name that says something else.
-    pub fn possible(&self) -> Result<()> {
-        self.picture.possible()?;
+    pub fn check(&self) -> Result<()> {
+        self.picture.check()?;
         let (view, rays) = (!self.view.words.is_empty(), &self.rays);
         let PictureOptions { z, exr, variance, aov, coverage, luminance, scotopic, melanopic, .. } = &self.picture;
         if view && self.merge {
@@ -98,7 +98,7 @@ mod tests {
         let none = |name: &str| Err(Error::new(format!("{name}: no such file")));
         let words = line.split(' ').map(Into::into).collect();
         let possible = parse::<Arguments>(words, &none).and_then(|typed| match typed {
-            Typed::Run(arguments, _) => arguments.possible(),
+            Typed::Run(arguments, _) => arguments.check(),
             Typed::Print(text) => panic!("{}", String::from_utf8_lossy(&text)),
         });
         possible.err().map(|error| error.message).unwrap_or_default()

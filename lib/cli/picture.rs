@@ -1,0 +1,70 @@
+//! A picture of a view, from the command line to the files that are written.
+
+use super::{Answer, Console, Disk, Outcome, Output, film, interrupted, view, world};
+use crate::args::rtrace::Arguments;
+use crate::error::Error;
+use crate::rays::lengths;
+use crate::render::{Film, Task, coverage, features, part, render};
+use crate::rules::Rules;
+use crate::scene::MaterialId;
+use crate::vector::Vec3;
+use std::time::Instant;
+
+/// Renders the picture of a view, within the time since `start` where time is limited.
+pub fn rendered(args: &Arguments, rules: &Rules, disk: &Disk, start: Instant, console: &Console) -> Outcome<Answer> {
+    let options = &args.picture;
+    let (view, (width, height)) = (view(&args.view)?, options.size());
+    let film = Film::new(&view, width, height, options.aspect())?.through(options.filter());
+    let size = (film.width, film.height);
+    let budget = args.accuracy.budget()?;
+    let aovs = options.aov.as_ref().map(|words| film::aovs(&words[0])).transpose()?;
+    let mut world = world(args, rules, disk, console)?;
+    world.survey(film.some_rays(), rules);
+
+    let task = Task {
+        world: &world,
+        rules,
+        count: film.width * film.height,
+        width: film.width,
+        lens: &film.lens(),
+        centred: film.filter.is_point(),
+        blur: film.blur(options.aperture()),
+        budget: budget.after(start.elapsed(), aovs.is_some()),
+        first: args.accuracy.first(),
+        seed: args.common.seed,
+    };
+    let header = film::header(console.trail(), &view, &film);
+    let output = args.common.output.as_deref();
+    if let Some(path) = &options.z {
+        Output::whole(Some(path), &film::depths(&lengths(&task)))?;
+    }
+    if let Some(name) = &options.coverage {
+        let materials: Vec<MaterialId> = (0..world.materials().len()).filter(|&m| world.materials()[m].name == *name).collect();
+        if materials.is_empty() {
+            return Err(Error::new(format!("--coverage {name}: no surface has a material of this name")).into());
+        }
+        let covered = film::picture(size, header, coverage(&task, &materials).into_iter().map(Vec3::splat));
+        return film::write(&covered, output, options.exr).map(|()| Answer::Yes);
+    }
+    let stop = interrupted();
+    let rendering = render(&task, &stop, &mut |so_far| {
+        console.progress(|| film::reached(so_far));
+    });
+    let interrupted = stop();
+    if let Some(range) = &args.accuracy.samples {
+        if interrupted {
+            return Err(Error::new("interrupted: a part of the samples of a part is of no use").into());
+        }
+        let planes = part(film.width, film.height, header, range, &rendering);
+        return Output::whole(output, &planes.write()?).map(|()| Answer::Yes);
+    }
+    if let (Some(names), Some([_, path])) = (aovs, options.aov.as_deref()) {
+        Output::whole(Some(path.as_ref()), &film::features(&film, &header, &names, &features(&task, &rendering))?)?;
+    }
+    film::finish(args, size, header, &rendering)?;
+    if interrupted {
+        console.note(&format!("interrupted at {}; the picture is the best so far", film::reached(&rendering)));
+        return Ok(Answer::No);
+    }
+    Ok(Answer::Yes)
+}

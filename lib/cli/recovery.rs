@@ -1,0 +1,50 @@
+//! A recovery from a picture, from the command line to the answer.
+
+use super::auto::{Taken, take};
+use super::kept::Kept;
+use super::report::{self, Trail};
+use super::{Answer, Console, Outcome, Output, interrupted};
+use crate::args::anneal::Arguments;
+use crate::recover::{self, Effort, answer};
+use std::time::Instant;
+
+/// Recovers the material from the picture by the basis of its transport.
+pub fn recover(start: &str, target: &str, arguments: &Arguments, console: &Console) -> Outcome<Answer> {
+    let options = arguments.options()?;
+    arguments.idle().iter().for_each(|option| console.note(&format!("{option} is for --exec and --direct; it does nothing here")));
+    let (begin, stopped) = (Instant::now(), interrupted());
+    let until = || if stopped() { Some(begin) } else { arguments.time().map(|time| begin + time) };
+    let effort = Effort::new(options.seed, options.tolerance, &until);
+    let Taken { mut photo, mut title, mut doubts, around, asked, found } = take(start, target, effort, arguments, console)?;
+    let unknown = &photo.unknown().clone();
+    let (found, rounds) = found.unzip();
+    let trail = Trail::new(unknown, rounds, arguments.search.log.as_deref())?;
+    let effort = Effort { around: around.as_deref(), told: &|found| trail.hear(found, console), ..effort };
+    let (found, cut) = match found {
+        Some(found) => (found, false),
+        None => {
+            let found =
+                recover::recover(&photo.evidence(), unknown, photo.material(), effort, &|so_far| console.progress(|| so_far.into()))?;
+            trail.hear(&found, console);
+            let cut = stopped();
+            if let Some(path) = arguments.search.state.as_ref().filter(|_| !cut) {
+                Kept::save(path, asked, &unknown.material().kind, &title, &doubts, &found, &trail)?;
+            }
+            (found, cut)
+        }
+    };
+    cut.then(|| console.note("interrupted: the values are those of the samples taken by then"));
+    let answer = answer::Answer::new(unknown, &found.values, Some(&found.known()));
+    title.extend(photo.blurred(&found));
+    title.push(format!("chi2 {} over {} pixels", answer::six(found.chi2), found.pixels));
+    Output::whole(arguments.common.output.as_deref(), &answer.file(&title)?)?;
+    doubts.extend_from_slice(answer.doubts());
+    doubts.iter().for_each(|doubt| console.warn(doubt));
+    if let Some(path) = &arguments.search.report {
+        report::of_recovery(path, &found, &answer, &photo, &trail, console)?;
+    }
+    trail.written()?;
+    let missed = options.tolerance.and_then(|tolerance| answer::missed(unknown.parameters(), &found.errors(), tolerance));
+    missed.iter().for_each(|missed| console.warn(missed));
+    Ok(if missed.is_none() && !cut { Answer::Yes } else { Answer::No })
+}

@@ -1,0 +1,98 @@
+//! What files that primitives name bring into a scene: meshes, and groups of surfaces for instances.
+
+use super::{Builder, Model, Resolved, Unresolved};
+use crate::error::{Error, Result};
+use crate::expand::expand;
+use crate::geometry::LEVELS;
+use crate::import::{self, MeshMaterial};
+use crate::rad::{Class, Primitive};
+use crate::scene::Surface;
+use std::sync::Arc;
+
+impl Builder<'_> {
+    /// The bytes of the file that a primitive names, and its name.
+    fn file(&self, primitive: &Primitive) -> Result<(String, Vec<u8>)> {
+        let Some(name) = primitive.strings.first() else {
+            return Err(primitive.error(format!("{} needs the name of its file", primitive.kind)));
+        };
+        Ok((name.clone(), self.resolve.library(name).map_err(|e| primitive.string_error(0, e.message))?))
+    }
+
+    /// The mesh file that a primitive names.
+    pub(super) fn model(&mut self, primitive: &Primitive) -> Resolved<Model> {
+        if let Some(known) = primitive.strings.first().and_then(|name| self.models.get(name)) {
+            return Ok(known.clone());
+        }
+        let (name, bytes) = self.file(primitive)?;
+        let file = import::mesh(bytes, &name).map_err(|e| at_name(primitive, e))?;
+        let first = self.definitions.len();
+        let outer = std::mem::take(&mut self.names);
+        let defined = file.scene.primitives().try_for_each(|p| self.define(p));
+        let named = |builder: &Self, name: &str| {
+            let found = outer.get(name).and_then(|d| d.last()).copied();
+            found.or_else(|| builder.find(name, usize::MAX)).ok_or_else(|| {
+                primitive.string_error(0, format!("it uses the material `{name}`, which is not defined before this; define it above"))
+            })
+        };
+        let chains = defined.map_err(Unresolved::Wrong).and_then(|()| {
+            file.materials
+                .iter()
+                .map(|material| match material {
+                    MeshMaterial::Void => self.chain(None),
+                    MeshMaterial::Embedded(i) => self.chain(Some(first + i)),
+                    MeshMaterial::Named(name) => {
+                        let found = named(self, name)?;
+                        self.chain(Some(found))
+                    }
+                })
+                .collect::<Resolved<Vec<_>>>()
+        });
+        self.names = outer;
+        let model = (Arc::new(file.mesh), chains?);
+        self.models.insert(name, model.clone());
+        Ok(model)
+    }
+
+    /// The surfaces of the octree that a primitive names. Its sources and lights light nothing.
+    pub(super) fn group(&mut self, primitive: &Primitive) -> Resolved<Arc<Vec<Surface>>> {
+        let (name, bytes) = match primitive.strings.first().and_then(|name| self.groups.get(name)) {
+            Some(known) => return Ok(known.clone()),
+            None => self.file(primitive)?,
+        };
+        if self.within.contains(&name) {
+            return Err(primitive.string_error(0, format!("{name} contains an instance of itself")).into());
+        }
+        if self.within.len() == LEVELS {
+            return Err(primitive.string_error(0, format!("instances stand more than {LEVELS} deep within each other")).into());
+        }
+        let documents = import::octree(&bytes, &name).and_then(|octree| octree.documents(&name, self.resolve));
+        let flat = documents.and_then(|documents| expand(documents, self.resolve)).map_err(|e| at_name(primitive, e))?;
+        self.within.push(name.clone());
+        let outer = std::mem::take(&mut self.names);
+        let surfaces = self.surfaces(&flat.primitives);
+        self.names = outer;
+        self.within.pop();
+        let group = Arc::new(surfaces?);
+        self.groups.insert(name, group.clone());
+        Ok(group)
+    }
+
+    /// The surfaces among the primitives of an octree.
+    fn surfaces(&mut self, primitives: &[Primitive]) -> Resolved<Vec<Surface>> {
+        let mut surfaces = Vec::new();
+        for primitive in primitives {
+            let added = match (primitive.type_of().map(|t| t.class), primitive.kind.as_str()) {
+                (Some(Class::Surface), "source") => Ok(()),
+                (Some(Class::Surface), _) => self.surface(primitive).map(|surface| surfaces.extend(surface)),
+                _ => self.define(primitive).map_err(Unresolved::Wrong),
+            };
+            self.forgive(added)?;
+        }
+        Ok(surfaces)
+    }
+}
+
+/// What is wrong with the file that a primitive names, where that has no place in a text of its own.
+fn at_name(primitive: &Primitive, error: Error) -> Error {
+    if error.place.is_some() { error } else { primitive.string_error(0, error.message) }
+}
