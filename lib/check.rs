@@ -19,12 +19,25 @@ pub struct Problems {
     pub warnings: Vec<Error>,
 }
 
+/// What the primitives show by themselves: as errors surfaces that have not the arguments of their types, as warnings names that do not mean
+/// anything, which another scene, read before, may give a meaning.
+pub fn glance(flat: &Flat) -> Problems {
+    let primitives = &flat.primitives;
+    let surfaces = primitives.iter().filter(|primitive| primitive.type_of().is_some_and(|kind| kind.class == Class::Surface));
+    let errors = surfaces.filter_map(|surface| surface.complete().err()).collect();
+    let mut checker = Checker::new(primitives, Links::of(primitives));
+    (0..primitives.len()).for_each(|i| checker.names(i));
+    let Problems { errors: names, mut warnings } = checker.problems;
+    warnings.extend(names);
+    Problems { errors, warnings }
+}
+
 /// Checks a scene; `resolve` reads the files that it names.
 pub fn check(flat: &Flat, resolve: &dyn Resolve) -> Problems {
     let primitives = &flat.primitives;
     let links = Links::of(primitives);
     let used = links.used(primitives);
-    let mut checker = Checker { primitives, links, problems: Problems::default(), known_names: names(primitives), files: HashMap::new() };
+    let mut checker = Checker::new(primitives, links);
     let mut unread = HashSet::new();
     for (i, primitive) in primitives.iter().enumerate() {
         checker.names(i);
@@ -61,7 +74,11 @@ struct Checker<'a> {
     files: HashMap<String, Result<bool, String>>,
 }
 
-impl Checker<'_> {
+impl<'a> Checker<'a> {
+    fn new(primitives: &'a [Primitive], links: Links) -> Self {
+        Self { primitives, links, problems: Problems::default(), known_names: names(primitives), files: HashMap::new() }
+    }
+
     /// Checks what a primitive is called and what it calls.
     fn names(&mut self, i: usize) {
         let primitive = &self.primitives[i];

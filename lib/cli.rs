@@ -44,6 +44,9 @@ pub enum Answer {
 /// How much stack a thread has, in bytes.
 const STACK: usize = 8 << 20;
 
+/// More threads than this no machine has a use for: each takes time to start and to be asked for work.
+const MOST_THREADS: usize = 256;
+
 /// Why a program stops before its end.
 #[derive(Debug)]
 pub enum Stop {
@@ -77,7 +80,7 @@ pub fn main<A: clap::Parser + AsRef<Common> + Send>(
         Ok(Typed::Run(arguments, trail)) => {
             let common = arguments.as_ref();
             let console = Console::new(tool, common.quiet, common.progress, trail);
-            let threads = common.threads.map_or(0, usize::from);
+            let threads = common.threads.map_or(0, usize::from).min(MOST_THREADS);
             match rayon::ThreadPoolBuilder::new().num_threads(threads).stack_size(STACK).build_global() {
                 Ok(()) => {
                     // On one of the threads, which need not be woken then for every piece of work.

@@ -218,13 +218,19 @@ impl Expander<'_> {
         if self.commands > COMMAND_LIMIT {
             return Err(span.error(format!("more than {COMMAND_LIMIT} commands; expand the scene in parts")));
         }
-        let stages = pipeline(text).filter(|stages| stages.iter().all(|s| is_built_in(&s.words)));
+        let stages = pipeline(text);
+        let foreign =
+            stages.iter().flatten().find_map(|stage| Some((stage.words.first()?.clone(), generate::foreign(&stage.words)?.to_string())));
+        let stages = stages.filter(|stages| stages.iter().all(|s| is_built_in(&s.words)));
         self.within.push(format!("!{text}"));
         let items = match stages {
             Some(stages) => self.pipe(stages, command, folder)?,
             None => {
                 let there = if folder.is_empty() { text.clone() } else { format!("cd {} && {text}", quoted(folder)) };
-                let bytes = self.resolve.command(&there).map_err(|e| span.error(e.message))?;
+                let bytes = self.resolve.command(&there).map_err(|e| {
+                    let beyond = foreign.map(|(program, option)| format!("{option} is an option of RADIANCE's own {program} only; "));
+                    span.error(beyond.unwrap_or_default() + &e.message)
+                })?;
                 let items = self.read(&format!("!{text}"), bytes)?;
                 self.count(items.len()).map_err(|e| span.error(e.message))?;
                 items

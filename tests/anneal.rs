@@ -165,7 +165,14 @@ fn step_by_step_is_the_same_search() {
             Command::new("sh").current_dir(directory.path()).args(["-c", &tell]).output().unwrap()
         };
         assert_eq!((told.status.code(), told.stderr.len()), (Some(0), 0), "{}", text(&told.stderr));
+        // A scheduler may try again what has succeeded.
+        let again = run(directory.path(), &["tell", "state", "0"]);
+        let said = text(&again.stderr);
         rounds += 1;
+        assert!(
+            again.status.code() == Some(2) && said.contains(if rounds < 30 { "has been told; get a candidate" } else { "is over" }),
+            "{said}"
+        );
     };
     assert_eq!((rounds, text(&last.stdout)), (30, text(&whole.stdout)));
     assert_eq!(run(directory.path(), &["best", "state"]).stdout, whole.stdout);

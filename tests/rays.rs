@@ -175,6 +175,20 @@ fn a_view_alone_sees_the_scene_on_standard_input() {
 }
 
 #[test]
+fn a_mesh_with_a_modifier_needs_none_of_the_materials_that_its_file_names() {
+    let directory = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| std::fs::write(directory.path().join(name), text).unwrap();
+    write("t.obj", "v -1 -1 0\nv 1 -1 0\nv 0 2 0\ng front\nusemtl red\nf 1 2 3\n");
+    write("own.rad", "void plastic m 0 0 5 .5 .5 .5 0 0\nm mesh t 1 t.obj 0 0\n");
+    write("none.rad", "void plastic m 0 0 5 .5 .5 .5 0 0\nm mesh t 1 t.obj 0 0\nvoid mesh u 5 t.obj -t 0 0 -1 0 0\n");
+    let told = |scene: &str| run(directory.path(), &["-h", "-ab", "0", "-oLm", scene], b"0 0 5 0 0 -1");
+    // rtrace -h -ab 0 -oLm own.oct, with the mesh made by obj2mesh.
+    assert_eq!(String::from_utf8(told("own.rad").stdout).unwrap(), "5.000000e+00\tm\t\n");
+    let refused = String::from_utf8(told("none.rad").stderr).unwrap();
+    assert!(refused.contains("none.rad:3:15: error: it uses the material `red`, which is not defined"), "{refused}");
+}
+
+#[test]
 fn an_instance_with_a_modifier_shows_what_has_none_itself() {
     let directory = tempfile::tempdir().unwrap();
     let write = |name: &str, bytes: &[u8]| std::fs::write(directory.path().join(name), bytes).unwrap();

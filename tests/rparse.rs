@@ -43,10 +43,21 @@ const SCENE: &str = "# A red ball.\nvoid plastic red\n0\n0\n5  .7 .1 .1   .05 .1
 
 #[test]
 fn a_scene_is_printed_flat_and_canonical() {
-    let scene = "void alias a b\n!echo 'm sphere \"a b\" 0 0 4 1 2 3 4' | xform -n up -s .5\nm polygon p 0 0 9 0 0 0 1 0 0 0 1 0\n#@probe 1 2 3 sky";
-    let flat = "void alias a b\n\nm sphere \"up.a b\"\n0\n0\n4 0.5 1 1.5 2\n\nm polygon p\n0\n0\n9\n  0 0 0\n  1 0 0\n  0 1 0\n\n#@probe 1 2 3 sky\n";
+    let scene = "void light m 0 0 3 1 1 1\nvoid alias a m\n!echo 'm sphere \"a b\" 0 0 4 1 2 3 4' | xform -n up -s .5\nm polygon p 0 0 9 0 0 0 1 0 0 0 1 0\n#@probe 1 2 3 sky";
+    let flat = "void light m\n0\n0\n3 1 1 1\n\nvoid alias a m\n\nm sphere \"up.a b\"\n0\n0\n4 0.5 1 1.5 2\n\nm polygon p\n0\n0\n9\n  0 0 0\n  1 0 0\n  0 1 0\n\n#@probe 1 2 3 sky\n";
     assert_eq!(printed(&[], scene), flat);
     assert_eq!(printed(&["-"], flat), flat);
+}
+
+#[test]
+fn what_oconv_would_refuse_is_not_printed_in_silence() {
+    let (status, output, said) = rparse(Path::new("."), &[], b"void light m 0 0 3 1 1 1\nm polygon p 0 0 6 0 0 0 1 1 1\n");
+    assert_eq!((status, output.len()), (2, 0));
+    assert!(said.contains("<stdin>:2:3: error: polygon needs three real arguments for each of at least three vertices, not 6"), "{said}");
+    // Another scene may define it: the unknown of a recovery, for instance.
+    let (status, output, said) = rparse(Path::new("."), &[], b"it sphere s 0 0 4 0 0 0 1\n");
+    assert!(status == 0 && output.starts_with(b"it sphere s\n"));
+    assert!(said.contains("warning: <stdin>:1:1: undefined modifier `it`; define it before"), "{said}");
 }
 
 #[test]

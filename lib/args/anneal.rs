@@ -134,7 +134,7 @@ pub struct UnknownOptions {
     #[arg(long, value_name = "NAME=START:LOW:HIGH")]
     pub param: Vec<Bounds>,
 
-    /// Keep this parameter as it is in the file
+    /// Keep this parameter as it is in the file, or as --param starts it
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     pub fix: Vec<String>,
 

@@ -58,6 +58,13 @@ pub struct Mode {
     pub keep: bool,
 }
 
+impl Mode {
+    /// Whether it prints a whole scene.
+    pub fn is_scene(&self) -> bool {
+        !(self.json || self.materials || self.stats || self.check)
+    }
+}
+
 impl AsRef<Common> for Args {
     fn as_ref(&self) -> &Common {
         &self.common

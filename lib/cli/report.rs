@@ -94,7 +94,7 @@ pub fn of_recovery(path: &Path, found: &Recovery, answer: &Answer, photo: &Photo
 
 /// Writes the page of a search, and of the photograph it was for, if it was for one.
 pub fn of_search(path: &Path, search: &Search, photo: Option<&Photo>, console: &Console) -> Outcome<()> {
-    let annealer = search.annealed();
+    let annealer = search.annealer();
     let (Some(best), Some((_, chi2))) = (annealer.best(), search.measured()) else {
         return Err(Error::new("nothing was evaluated yet: there is nothing to report").into());
     };

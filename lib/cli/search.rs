@@ -36,6 +36,9 @@ struct Kept {
     #[serde(default)]
     chi2: Option<f64>,
     annealer: Annealer,
+    /// Whether `propose` has given out the proposal that `tell` tells of.
+    #[serde(default)]
+    asked: bool,
 }
 
 /// What is to be made small: chi-squared as a function of a vector.
@@ -76,7 +79,7 @@ impl Search {
         let unknown = Unknown::new(Document::read(name, bytes)?, &wishes)?;
         options.groups = unknown.groups().to_vec();
         let annealer = Annealer::new(unknown.parameters().to_vec(), options)?;
-        Ok(Self { kept: Kept { name: name.into(), start, wishes, loss, chi2: None, annealer }, unknown })
+        Ok(Self { kept: Kept { name: name.into(), start, wishes, loss, chi2: None, annealer, asked: false }, unknown })
     }
 
     /// The search that is kept in a file; `None` if there is no such file.
@@ -132,12 +135,7 @@ impl Search {
     }
 
     /// The search itself.
-    pub fn annealer(&mut self) -> &mut Annealer {
-        &mut self.kept.annealer
-    }
-
-    /// The search itself, to look at.
-    pub fn annealed(&self) -> &Annealer {
+    pub fn annealer(&self) -> &Annealer {
         &self.kept.annealer
     }
 
@@ -148,8 +146,23 @@ impl Search {
             return Err(Error::new(format!("the chi-squared of the start is {chi2}: the start must be possible")));
         }
         annealer.tell(chi2);
-        self.kept.chi2 = None;
+        (self.kept.chi2, self.kept.asked) = (None, false);
         Ok(())
+    }
+
+    /// Notes that the proposal is given out.
+    pub fn ask(&mut self) {
+        self.kept.asked = true;
+    }
+
+    /// Takes the chi-squared of the proposal that was given out; an error if none is, for the search that `state` keeps.
+    pub fn hear(&mut self, chi2: f64, state: &Path) -> Result<()> {
+        let lacking = match (self.kept.annealer.propose(), self.kept.asked) {
+            (None, _) => "the search is over and asked for nothing".to_string(),
+            (_, false) => format!("all it asked for has been told; get a candidate with anneal propose {}", state.display()),
+            _ => return self.tell(chi2),
+        };
+        Err(Error::new(format!("{}: {lacking}", state.display())))
     }
 
     /// The file with the values of the proposal; `None` when the search is over.

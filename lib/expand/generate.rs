@@ -24,19 +24,28 @@ pub type Read<'a> = &'a dyn Fn(&str, bool) -> Result<String>;
 
 /// Whether `words`, a program and its arguments, is a generator with options that are known here.
 pub fn is_known(words: &[String]) -> bool {
-    let Some((program, arguments)) = words.split_first() else { return false };
-    // What the originals can do beside.
-    let unknown: &[&str] = match program.as_str() {
+    words.first().is_some_and(|program| beyond(program).is_some()) && foreign(words).is_none()
+}
+
+/// The options of a generator that the original has beside those known here; `None` if it is none.
+fn beyond(program: &str) -> Option<&'static [&'static str]> {
+    Some(match program {
         "genbox" => &["-n", "-s", "-o"],
         "genprism" => &["-"],
         "gendaylit" => &["-L", "-l", "-i", "-C", "-n"],
         "gensurf" => &["-o"],
         "genrev" | "genworm" | "gensky" => &[],
-        _ => return false,
-    };
+        _ => return None,
+    })
+}
+
+/// Which option of a generator, a program and its arguments, only the original has.
+pub fn foreign(words: &[String]) -> Option<&str> {
+    let (program, arguments) = words.split_first()?;
     let has = |option: &str| arguments.iter().any(|a| a == option);
     // A round box seen from inside is a mesh of its own.
-    !(unknown.iter().any(|option| has(option)) || program == "genbox" && has("-i") && has("-r"))
+    let inward = (program == "genbox" && has("-i") && has("-r")).then_some("-i");
+    beyond(program)?.iter().copied().find(|option| has(option)).or(inward)
 }
 
 /// What the generator `program` prints for `arguments`. An error is one that the original would report too.

@@ -58,11 +58,14 @@ impl Type {
     /// Errors, saying how many real arguments it takes, if these are not as many.
     pub fn takes(&self, reals: usize) -> Result<(), String> {
         let (fits, needed) = match &self.reals {
-            Reals::Of(counts) => (counts.contains(&reals), counts.iter().map(usize::to_string).collect::<Vec<_>>().join(" or ")),
-            Reals::From(least) => (reals >= *least, format!("{least} or more")),
-            Reals::Vertices => (reals >= 9 && reals.is_multiple_of(3), "three for each of at least three vertices".into()),
+            Reals::Of(counts) => {
+                let counted = counts.iter().map(usize::to_string).collect::<Vec<_>>().join(" or ");
+                (counts.contains(&reals), format!("{counted} real arguments"))
+            }
+            Reals::From(least) => (reals >= *least, format!("{least} or more real arguments")),
+            Reals::Vertices => (reals >= 9 && reals.is_multiple_of(3), "three real arguments for each of at least three vertices".into()),
         };
-        if fits { Ok(()) } else { Err(format!("{} needs {needed} real arguments, not {reals}", self.name)) }
+        if fits { Ok(()) } else { Err(format!("{} needs {needed}, not {reals}", self.name)) }
     }
 
     /// Whether it can stand as the modifier of another primitive.

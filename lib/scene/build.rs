@@ -5,7 +5,7 @@ mod files;
 use super::{Chain, ChainId, Distant, End, Error, Form, Link, MaterialId, Named, Result, Scene, Source, Surface};
 use crate::cal::FileId;
 use crate::expand::Annotation;
-use crate::geometry::{Mesh, Shape};
+use crate::geometry::Shape;
 use crate::material::Material;
 use crate::pattern::{Mixture, Pattern, Sources, Texture};
 use crate::rad::{Class, Primitive, real};
@@ -13,6 +13,7 @@ use crate::resolve::Resolve;
 use crate::support::{Feature, unsupported};
 use crate::transform::Transform;
 use crate::vector::{Vec3, one_minus_cos};
+use files::Model;
 use std::collections::HashMap;
 use std::rc::Rc;
 use std::sync::Arc;
@@ -62,9 +63,6 @@ struct Definition {
 /// Every definition of each name, in order: what names mean in one scene, mesh or octree.
 type Names = HashMap<String, Vec<DefinitionId>>;
 
-/// A mesh of a file, and the chains of the materials it brings along.
-type Model = (Arc<Mesh>, Vec<ChainId>);
-
 /// A scene in the making.
 pub(super) struct Builder<'a> {
     pub scene: Scene,
@@ -81,7 +79,7 @@ pub(super) struct Builder<'a> {
     weights: Vec<usize>,
     materials: HashMap<*const Primitive, MaterialId>,
     links: HashMap<*const Primitive, Link>,
-    models: HashMap<String, Model>,
+    models: HashMap<String, Rc<Model>>,
     groups: HashMap<String, Arc<Vec<Surface>>>,
     /// The octrees that are being read, one within another.
     within: Vec<String>,
@@ -223,8 +221,9 @@ impl<'a> Builder<'a> {
         let (form, chains) = match primitive.kind.as_str() {
             "mesh" => {
                 let transform = placed()?;
-                let (mesh, embedded) = self.model(primitive)?;
-                (Form::Mesh(mesh, transform), own.map_or(embedded, |chain| vec![chain]))
+                let model = self.model(primitive)?;
+                let chains = if let Some(chain) = own { vec![chain] } else { self.embedded(primitive, &model)? };
+                (Form::Mesh(model.mesh.clone(), transform), chains)
             }
             "instance" => (Form::Group(self.group(primitive)?, placed()?), own.into_iter().collect()),
             kind => {

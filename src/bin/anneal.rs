@@ -24,10 +24,11 @@ fn run(arguments: Arguments, console: &Console) -> Outcome<Answer> {
     match job {
         Job::Search(start) => search(&start, &arguments, console),
         Job::Propose(state, start) => {
-            let search = match start {
+            let mut search = match start {
                 Some(start) => begin(&start, &arguments, Some(&state))?,
                 None => Search::kept(&state)?,
             };
+            search.ask();
             search.save(&state)?;
             match search.proposal()? {
                 Some(candidate) => Output::whole(output, &candidate).map(|()| Answer::Yes),
@@ -41,10 +42,7 @@ fn run(arguments: Arguments, console: &Console) -> Outcome<Answer> {
                 None => last_number(&String::from_utf8_lossy(&Input::default().read("-")?.1))
                     .ok_or_else(|| Error::new("tell: no number on standard input; pipe the program into it that prints chi-squared"))?,
             };
-            if search.annealer().propose().is_none() {
-                return Err(Error::new(format!("{}: the search is over and asked for nothing", state.display())).into());
-            }
-            search.tell(chi2)?;
+            search.hear(chi2, &state)?;
             search.save(&state).map(|()| Answer::Yes)
         }
         Job::Best(state) => found(&Search::kept(&state)?, None, &arguments, console).map(|()| Answer::Yes),

@@ -1,7 +1,7 @@
 //! rparse: reads scene descriptions.
 
 use inverad::args::rparse::Args;
-use inverad::check::check;
+use inverad::check::{Problems, check, glance};
 use inverad::cli::{self, Answer, Console, Disk, Input, Outcome, Output};
 use inverad::error::{Error, Source};
 use inverad::expand::{Flat, expand, expand_all_errors};
@@ -41,7 +41,12 @@ fn run(args: Args, console: &Console) -> Outcome<Answer> {
         whole(&documents)
     } else {
         let flat = expand(documents, &disk)?;
-        flat.warnings.iter().for_each(|warning| console.warn(warning));
+        // A scene is printed for oconv.
+        let Problems { errors, warnings } = if args.mode.is_scene() { glance(&flat) } else { Problems::default() };
+        warn(console, flat.warnings.iter().cloned().chain(warnings.iter().map(Error::remark)));
+        if let Some(error) = errors.into_iter().next() {
+            return Err(error.into());
+        }
         rad::encode(&print(&args, flat))
     };
     Output::whole(args.common.output.as_deref(), &text)?;
@@ -76,6 +81,15 @@ fn print(args: &Args, mut flat: Flat) -> String {
     flat.to_string()
 }
 
+/// Shows warnings, but not too many.
+fn warn(console: &Console, mut warnings: impl Iterator<Item = String>) {
+    warnings.by_ref().take(WARNINGS).for_each(|warning| console.warn(&warning));
+    let more = warnings.count();
+    if more > 0 {
+        console.warn(&format!("{more} more warnings are not shown"));
+    }
+}
+
 /// Says everything that is wrong.
 fn report(sources: Vec<Arc<Source>>, resolve: &dyn Resolve, console: &Console) -> Answer {
     let (mut documents, mut errors) = (Vec::new(), Vec::new());
@@ -88,19 +102,7 @@ fn report(sources: Vec<Arc<Source>>, resolve: &dyn Resolve, console: &Console) -
     errors.append(&mut wrong);
     let mut problems = check(&flat, resolve);
     errors.append(&mut problems.errors);
-    let warnings = flat.warnings.into_iter().chain(problems.warnings.iter().map(Error::remark));
-    let more = warnings
-        .enumerate()
-        .filter(|(i, warning)| {
-            *i >= WARNINGS || {
-                console.warn(warning);
-                false
-            }
-        })
-        .count();
-    if more > 0 {
-        console.warn(&format!("{more} more warnings are not shown"));
-    }
+    warn(console, flat.warnings.into_iter().chain(problems.warnings.iter().map(Error::remark)));
     for error in &errors {
         let _ = writeln!(io::stderr(), "rparse: {error}");
     }

@@ -65,6 +65,11 @@ impl Arguments {
             let remedy = format!("with -f…c they are a RADIANCE picture: name it {}, or give a view (-vf FILE, -vp …)", other.display());
             return Err(Error::new(format!("{path}: rays are not answered in this format; {remedy}")));
         }
+        if let Some([_, path]) = aov.as_deref()
+            && path.starts_with('-')
+        {
+            return Err(Error::new(format!("--aov needs NAMES and FILE.exr; {path} is no name of a file (write ./{path} if it is)")));
+        }
         let of_exr = [
             ("--samples", output.filter(|_| self.accuracy.samples.is_some())),
             ("--exr", output.filter(|_| *exr)),
@@ -143,6 +148,7 @@ mod tests {
         assert!(said("rtrace-rs -vp 0 0 1 --exr -o p.PIC s.rad").contains("p.PIC: --exr writes OpenEXR"));
         assert!(said("rtrace-rs -vp 0 0 1 --variance a/v.hdr s.rad").contains("name the file a/v.exr"));
         assert!(said("rtrace-rs -vp 0 0 1 --aov normal n.png s.rad").contains("name the file n.exr"));
+        assert!(said("rtrace-rs -vp 0 0 1 --aov normal -o n.exr s.rad").contains("--aov needs NAMES and FILE.exr"));
         assert!(said("rtrace-rs -fac -o x.exr s.rad").contains("x.exr: rays are not answered in this format; with -f…c they are"));
     }
 

@@ -1,13 +1,24 @@
 //! What files that primitives name bring into a scene: meshes, and groups of surfaces for instances.
 
-use super::{Builder, Model, Resolved, Unresolved};
+use super::{Builder, Resolved, Unresolved};
 use crate::error::{Error, Result};
 use crate::expand::expand;
-use crate::geometry::LEVELS;
-use crate::import::{self, MeshMaterial};
-use crate::rad::{Class, Primitive};
-use crate::scene::Surface;
+use crate::geometry::{LEVELS, Mesh};
+use crate::import::{self, MeshFile, MeshMaterial};
+use crate::rad::{Class, Document, Primitive};
+use crate::scene::{ChainId, Surface};
+use std::cell::OnceCell;
+use std::rc::Rc;
 use std::sync::Arc;
+
+/// A mesh of a file.
+pub(super) struct Model {
+    pub mesh: Arc<Mesh>,
+    materials: Vec<MeshMaterial>,
+    scene: Document,
+    /// The chains of its materials, once something needs them.
+    chains: OnceCell<Vec<ChainId>>,
+}
 
 impl Builder<'_> {
     /// The bytes of the file that a primitive names, and its name.
@@ -19,38 +30,47 @@ impl Builder<'_> {
     }
 
     /// The mesh file that a primitive names.
-    pub(super) fn model(&mut self, primitive: &Primitive) -> Resolved<Model> {
+    pub(super) fn model(&mut self, primitive: &Primitive) -> Resolved<Rc<Model>> {
         if let Some(known) = primitive.strings.first().and_then(|name| self.models.get(name)) {
             return Ok(known.clone());
         }
         let (name, bytes) = self.file(primitive)?;
-        let file = import::mesh(bytes, &name).map_err(|e| at_name(primitive, e))?;
+        let MeshFile { mesh, materials, scene } = import::mesh(bytes, &name).map_err(|e| at_name(primitive, e))?;
+        let model = Rc::new(Model { mesh: Arc::new(mesh), materials, scene, chains: OnceCell::new() });
+        self.models.insert(name, model.clone());
+        Ok(model)
+    }
+
+    /// The chains of the materials that a mesh file brings along or names: for a mesh that has no modifier of its own.
+    pub(super) fn embedded(&mut self, primitive: &Primitive, model: &Model) -> Resolved<Vec<ChainId>> {
+        if let Some(known) = model.chains.get() {
+            return Ok(known.clone());
+        }
         let first = self.definitions.len();
         let outer = std::mem::take(&mut self.names);
-        let defined = file.scene.primitives().try_for_each(|p| self.define(p));
+        let defined = model.scene.primitives().try_for_each(|p| self.define(p));
         let named = |builder: &Self, name: &str| {
             let found = outer.get(name).and_then(|d| d.last()).copied();
             found.or_else(|| builder.find(name, usize::MAX)).ok_or_else(|| {
-                primitive.string_error(0, format!("it uses the material `{name}`, which is not defined before this; define it above"))
+                let remedy = "define it above, or give the mesh a modifier of its own";
+                primitive.string_error(0, format!("it uses the material `{name}`, which is not defined before this; {remedy}"))
             })
         };
-        let chains = defined.map_err(Unresolved::Wrong).and_then(|()| {
-            file.materials
-                .iter()
-                .map(|material| match material {
-                    MeshMaterial::Void => self.chain(None),
-                    MeshMaterial::Embedded(i) => self.chain(Some(first + i)),
-                    MeshMaterial::Named(name) => {
-                        let found = named(self, name)?;
-                        self.chain(Some(found))
-                    }
-                })
-                .collect::<Resolved<Vec<_>>>()
-        });
+        let chain = |material: &MeshMaterial| match material {
+            MeshMaterial::Void => self.chain(None),
+            MeshMaterial::Embedded(i) => self.chain(Some(first + i)),
+            MeshMaterial::Named(name) => {
+                let found = named(self, name)?;
+                self.chain(Some(found))
+            }
+        };
+        let chains = match defined {
+            Ok(()) => model.materials.iter().map(chain).collect::<Resolved<Vec<_>>>(),
+            Err(error) => Err(Unresolved::Wrong(error)),
+        };
         self.names = outer;
-        let model = (Arc::new(file.mesh), chains?);
-        self.models.insert(name, model.clone());
-        Ok(model)
+        let chains = chains?;
+        Ok(model.chains.get_or_init(|| chains).clone())
     }
 
     /// The surfaces of the octree that a primitive names. Its sources and lights light nothing.
