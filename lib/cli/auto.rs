@@ -9,7 +9,7 @@ use crate::rad::Document;
 use crate::recover::types::{SAMPLES, Sample, Trial, choose};
 use crate::recover::{Effort, Evidence, Recovery, recover};
 use crate::report::Moment;
-use crate::unknown::{TYPES, Unknown, Wishes, retyped};
+use crate::unknown::{Unknown, Wishes, retyped};
 use std::slice::from_ref;
 
 /// A photograph whose unknown has been taken for a type.
@@ -56,8 +56,8 @@ pub fn take<'a>(start: &str, target: &str, effort: Effort, arguments: &Arguments
     let (document, wishes) = read(start, arguments)?;
     // A type that what was wished leaves without anything unknown is left out.
     let mut unknowns = Vec::new();
-    for (kind, _) in TYPES {
-        match Unknown::taken_for(kind, &document, &wishes) {
+    for (kind, unknown) in Unknown::of_each_type(&document, &wishes)? {
+        match unknown {
             Ok(unknown) => unknowns.push(unknown),
             Err(error) => console.note(&format!("{kind} is not tried: {}", error.message)),
         }

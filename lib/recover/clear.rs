@@ -268,8 +268,8 @@ fn looked(
         parameters.iter().enumerate().map(|(i, p)| if Some(i) == slot { (low, high) } else { (p.low, p.high) }).collect();
 
     let search = Search { evidence, sought, material, range: (low, high), effort: &effort };
-    let mut best = match effort.around {
-        Some(values) => values.to_vec(),
+    let (mut best, known) = match effort.around {
+        Some(values) => (values.to_vec(), (low, high)),
         None => search.best(&sheet, &mut seeds, tell)?,
     };
 
@@ -301,8 +301,9 @@ fn looked(
             }
         };
         if !another() {
-            // It was not got hold of: the index may be anywhere.
-            here.covariance.set(i, i, anywhere((low, high)).powi(2));
+            // It was not got hold of: the index may be anywhere where the search has it.
+            let range = if (known.0..=known.1).contains(&here.values[i]) { known } else { (low, high) };
+            here.covariance.set(i, i, anywhere(range).powi(2));
             return Ok(here);
         }
         best.clone_from(&here.values);

@@ -30,6 +30,11 @@ const FIRST: f64 = 0.1;
 const NEARER: f64 = 4.0;
 /// How many indices on either side of the best tell where between them it is.
 const BESIDE: usize = 3;
+/// Where two lines explain less than this part of the misfits' variance, what is seen is noise: then as many times as many samples are taken, and at
+/// most so many times.
+const CLEAR: f64 = 0.6;
+const MORE: u32 = 4;
+const MOST_MORE: u32 = 16;
 /// In terms of their distance, how near to the last index tried the best is followed beyond it; and how many times.
 const MARGIN: f64 = 1.5;
 const MOST_SHIFTS: usize = 6;
@@ -51,15 +56,16 @@ pub struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// The values that come nearest: at indices all over the range first, then at nearer and nearer ones around the best.
-    pub fn best(&self, sheet: &Sheet, seeds: &mut Seeds, tell: &dyn Fn(&str)) -> Result<Vec<f64>> {
+    /// The values that come nearest, and where the index is by them: sought at indices all over the range first, then at nearer and nearer ones
+    /// around the best.
+    pub fn best(&self, sheet: &Sheet, seeds: &mut Seeds, tell: &dyn Fn(&str)) -> Result<(Vec<f64>, (f64, f64))> {
         let (slot, (low, high)) = (slot(&self.sought.unknown), self.range);
         let mut best = self.sought.unknown.start();
         let (mut from, mut to, mut step) = (low, high, FIRST);
         let places = some(sheet, PIXELS);
         let mut searches = SAMPLES.into_iter().peekable();
-        let mut shifts = 0;
-        while let Some(&samples) = searches.peek() {
+        let (mut shifts, mut more, mut known) = (0, 1, self.range);
+        while let Some(samples) = searches.peek().map(|samples| samples * more) {
             tell(&format!("indices {from:.3} to {to:.3}"));
             let count = if slot.is_some() { ((to - from) / step).round().max(1.0) as usize } else { 0 };
             let indices: Vec<f64> = (0..=count).map(|i| from + (to - from) * i as f64 / count.max(1) as f64).collect();
@@ -72,20 +78,28 @@ impl Search<'_> {
             best.clone_from(&found[lowest].values);
             let Some(i) = slot else { break };
             let near = lowest.saturating_sub(BESIDE)..(lowest + BESIDE + 1).min(indices.len());
-            best[i] = meeting(&indices[near.clone()], &misfits[near]);
-            let beyond = |bound: f64, end: f64| end != bound && (best[i] - end).abs() < MARGIN * step;
+            let clear;
+            (best[i], clear) = meeting(&indices[near.clone()], &misfits[near]);
             let time = self.effort.quick || !self.effort.late();
+            if clear < CLEAR && more < MOST_MORE && !self.effort.quick && time {
+                more *= MORE;
+                continue;
+            }
+            let aside = BESIDE as f64 * step;
+            known = if clear < CLEAR { self.range } else { ((best[i] - aside).max(low), (best[i] + aside).min(high)) };
+            let beyond = |bound: f64, end: f64| end != bound && (best[i] - end).abs() < MARGIN * step;
             let reach = if shifts < MOST_SHIFTS && time && (beyond(low, from) || beyond(high, to)) {
                 shifts += 1;
                 0.5 * (to - from)
             } else {
                 searches.next();
+                more = 1;
                 step /= NEARER;
                 NEARER * step
             };
             (from, to) = ((best[i] - reach).max(low), (best[i] + reach).min(high));
         }
-        Ok(best)
+        Ok((best, known))
     }
 
     /// The colours at an index, the values being else as given, and the misfit of pixels there.
@@ -103,8 +117,9 @@ impl Search<'_> {
     }
 }
 
-/// Where two lines meet that rise alike to both sides and come nearest to misfits at rising indices (least squares).
-fn meeting(indices: &[f64], misfits: &[f64]) -> f64 {
+/// Where two lines meet that rise alike to both sides and come nearest to misfits at rising indices (least squares), and which part of their variance
+/// these explain.
+fn meeting(indices: &[f64], misfits: &[f64]) -> (f64, f64) {
     let mean = |values: &mut dyn Iterator<Item = f64>| values.sum::<f64>() / indices.len() as f64;
     let level = mean(&mut misfits.iter().copied());
     // What lines that meet at `at` explain.
@@ -120,7 +135,9 @@ fn meeting(indices: &[f64], misfits: &[f64]) -> f64 {
     };
     let (first, last) = (indices[0], indices[indices.len() - 1]);
     let places = (0..=PLACES).map(|k| first + (last - first) * k as f64 / PLACES as f64);
-    places.max_by(|a, b| explained(*a).total_cmp(&explained(*b))).unwrap_or(first)
+    let at = places.max_by(|a, b| explained(*a).total_cmp(&explained(*b))).unwrap_or(first);
+    let all: f64 = misfits.iter().map(|misfit| (misfit - level).powi(2)).sum();
+    (at, if all > 0.0 { explained(at) / all } else { 1.0 })
 }
 
 /// How finely that is told.
@@ -221,10 +238,12 @@ mod tests {
             // A ragged valley: what is added has no slope to either side.
             let misfits: Vec<f64> =
                 indices.iter().zip([3.0, -3.0].iter().cycle()).map(|(i, rough)| 300.0 + 4000.0 * (i - at).abs() + rough).collect();
-            let met = meeting(&indices, &misfits);
-            assert!((met - at).abs() < 0.002, "{at}: {met}");
+            let (met, clear) = meeting(&indices, &misfits);
+            assert!((met - at).abs() < 0.002 && clear > 0.98, "{at}: {met}, {clear}");
         }
-        assert!((1.4..=1.6).contains(&meeting(&indices, &[1.0; 9])));
+        assert!((1.4..=1.6).contains(&meeting(&indices, &[1.0; 9]).0));
+        // What is ragged only says nothing.
+        assert!(meeting(&indices, &[3.0, -3.0, 3.0, -3.0, 3.0, -3.0, 3.0, -3.0, 3.0]).1 < 0.2);
     }
 
     #[test]

@@ -83,7 +83,9 @@ impl Trial {
 
     /// Whether it can say all that another can, so that it cannot be excluded by it.
     fn contains(&self, other: &Self) -> bool {
-        self.kind == "trans" && other.kind == "plastic"
+        let (Some(mine), Some(others)) = (Kind::named(&self.kind), Kind::named(&other.kind)) else { return false };
+        let parts = mine.metal == others.metal && mine.transmits == others.transmits || mine.transmits && !others.metal;
+        parts && (mine.anisotropic || !others.anisotropic)
     }
 
     /// Whether it reflects and transmits the same as another, as far as both are sure.
@@ -91,9 +93,13 @@ impl Trial {
         self.same_within(other, SAME_WITHIN.1)
     }
 
-    /// The same, coefficients differing by no more than `most`.
+    /// The same, coefficients differing by no more than `most`. Two roughnesses are not the same as one however little they show: whether they
+    /// are needed the pixels say.
     fn same_within(&self, other: &Self, most: f64) -> bool {
         let (Some(mine), Some(others)) = (&self.lobes, &other.lobes) else { return false };
+        if self.kind.ends_with('2') != other.kind.ends_with('2') {
+            return false;
+        }
         let near = |(a, b): (&(f64, f64), &(f64, f64))| {
             let error = SAME * (a.1 + b.1).max(0.0).sqrt();
             (a.0 - b.0).abs() < error.clamp(SAME_WITHIN.0, most)
@@ -164,10 +170,13 @@ pub fn choose(trials: &[Trial], sample: &Sample) -> Verdict {
         trials[a].free.cmp(&trials[b].free).then(nearer)
     });
     let chosen = chosen.unwrap_or(best);
+    // START.rad has two roughnesses for a reason.
+    let chosen = open.iter().copied().find(|&i| trials[i].kind.strip_suffix('2') == Some(&trials[chosen].kind)).unwrap_or(chosen);
     let rival = |i: usize| {
         let same = i == chosen || trials[i].same(&trials[chosen]) || trials[i].contains(&trials[chosen]);
         match distance(i, best) {
             _ if same => Rival::Same,
+            z if z < EXCLUDED && trials[chosen].contains(&trials[i]) => Rival::Same,
             z if z >= EXCLUDED => Rival::Excluded(distance(i, chosen).max(EXCLUDED)),
             _ => Rival::Open,
         }

@@ -19,6 +19,17 @@ impl Unknown {
         let (document, wishes) = retyped(kind, document, wishes)?;
         Self::new(document, &wishes)
     }
+
+    /// The unknown of a scene file as each type that it may be: [`TYPES`], and the file's own where that is the anisotropic form of one; or why it
+    /// cannot be taken for it.
+    pub fn of_each_type(document: &Document, wishes: &Wishes) -> Result<Vec<(String, Result<Self>)>> {
+        let own = &super::choose(document, wishes.material.as_deref())?.kind;
+        let mut all: Vec<_> = TYPES.iter().map(|(kind, _)| (kind.to_string(), Self::taken_for(kind, document, wishes))).collect();
+        if own.strip_suffix('2').is_some_and(|stem| TYPES.iter().any(|(kind, _)| *kind == stem)) {
+            all.push((own.clone(), Self::new(document.clone(), wishes)));
+        }
+        Ok(all)
+    }
 }
 
 /// A scene file with its unknown taken for `kind`, one of [`TYPES`], and what is wished of it that it can have.
@@ -43,7 +54,8 @@ pub fn retyped(kind: &str, document: &Document, wishes: &Wishes) -> Result<(Docu
         }
         let name = from.parameter(word).and_then(|i| from.parameters.get(i)).map_or(word, |name| *name);
         let of = |t: &Type, most: usize| t.parameters.iter().take(most).any(|p| *p == name);
-        let somewhere = name == COLORS.0 || TYPES.iter().any(|(t, _)| Type::named(t).is_some_and(|t| of(t, usize::MAX)));
+        let mut tried = TYPES.iter().filter_map(|(kind, _)| Type::named(kind)).chain([from]);
+        let somewhere = name == COLORS.0 || tried.any(|t| of(t, usize::MAX));
         if !somewhere {
             return Err(material.error(format!("no type of material that is tried has a parameter `{word}`")));
         }
