@@ -219,15 +219,13 @@ impl Expander<'_> {
             return Err(span.error(format!("more than {COMMAND_LIMIT} commands; expand the scene in parts")));
         }
         let stages = pipeline(text);
-        let foreign =
-            stages.iter().flatten().find_map(|stage| Some((stage.words.first()?.clone(), generate::foreign(&stage.words)?.to_string())));
-        let stages = stages.filter(|stages| stages.iter().all(|s| is_built_in(&s.words)));
         self.within.push(format!("!{text}"));
         let items = match stages {
-            Some(stages) => self.pipe(stages, command, folder)?,
-            None => {
+            Some(stages) if stages.iter().all(|s| is_built_in(&s.words)) => self.pipe(stages, command, folder)?,
+            stages => {
                 let there = if folder.is_empty() { text.clone() } else { format!("cd {} && {text}", quoted(folder)) };
                 let bytes = self.resolve.command(&there).map_err(|e| {
+                    let foreign = stages.iter().flatten().find_map(|stage| Some((&stage.words[0], generate::foreign(&stage.words)?)));
                     let beyond = foreign.map(|(program, option)| format!("{option} is an option of RADIANCE's own {program} only; "));
                     span.error(beyond.unwrap_or_default() + &e.message)
                 })?;

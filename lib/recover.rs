@@ -88,7 +88,7 @@ pub struct Recovery {
     pub covariance: Symmetric,
     /// The part of it that the rendering makes.
     pub own: Symmetric,
-    /// What an error that pixels have in common does to the values: their covariance for one of 1.5 % of the light.
+    /// What an error that pixels have in common does to the values: their covariance for one of `sheet::COMMON` of the light.
     pub common: Symmetric,
     /// By which part of their light whole areas are off, which no noise is.
     pub misfit: f64,

@@ -19,16 +19,17 @@ pub fn one_minus_cos(angle: f64) -> f64 {
     2.0 * sine * sine
 }
 
-/// The two axes along which a plane with this normal is seen least foreshortened, in the order that makes a right-handed system with the third.
-pub fn across(normal: Vec3) -> [usize; 2] {
-    let a = normal.abs();
-    if a.x >= a.y && a.x >= a.z {
-        [1, 2]
-    } else if a.y >= a.z {
-        [2, 0]
-    } else {
-        [0, 1]
-    }
+/// The axis that a vector is longest along.
+pub fn longest(v: Vec3) -> usize {
+    let v = v.abs();
+    if v.x >= v.y && v.x >= v.z { 0 } else { 1 + usize::from(v.y < v.z) }
+}
+
+/// The other two axes, in the order that makes a right-handed system.
+#[inline(always)]
+pub fn across(axis: usize) -> [usize; 2] {
+    let next = if axis == 2 { 0 } else { axis + 1 };
+    [next, 3 - axis - next]
 }
 
 /// A right-handed orthonormal basis whose third axis is a given direction.

@@ -21,8 +21,8 @@ const SMALL: f64 = 1024.0;
 const FEW: usize = 64;
 
 impl Accel {
-    /// The tree over these surfaces. Triangles with corners that are not finite numbers below 1e100, or without area, are left out. Refuses more than 2³⁰ triangles and surfaces together, groups more than [`LEVELS`] deep, and transforms
-    /// that are no similarity with an inverse.
+    /// The tree over these surfaces. Triangles with corners that are not finite numbers below 1e100, or without area, are left out. Refuses more
+    /// than 2³⁰ triangles and surfaces together, groups more than [`LEVELS`] deep, and transforms that are no similarity with an inverse.
     pub fn build(surfaces: Vec<Surface>) -> Result<Self> {
         let mut uses: HashMap<*const Mesh, usize> = HashMap::new();
         let mut bounds = Bounds::EMPTY;

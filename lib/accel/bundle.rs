@@ -3,9 +3,9 @@
 //! What all of them miss is found out for eight boxes at a time, by the beam that they are within (Wald et al. 2006, "Ray Tracing Animated
 //! Scenes using Coherent Grid Traversal"); only in front of a leaf is each asked by itself whether it meets the leaf's box.
 
-use super::probe::across;
 use super::search::Search;
 use super::tree::{LEAF, Node, Tree, passage};
+use crate::vector::across;
 use wide::{f32x4, f32x8};
 
 /// The most rays of a bundle.

@@ -2,7 +2,7 @@
 
 use super::tree::{Block, Space, four};
 use crate::geometry::Ray;
-use crate::vector::Vec3;
+use crate::vector::{Vec3, across};
 use wide::{f32x4, f32x8, f64x4};
 
 /// How far single precision may put a point from where it is, relative to its distance along the probe plus a quarter of the tree's cube:
@@ -34,13 +34,6 @@ fn enter(space: &Space, origin: f64x4, inverse: f64x4, [t_min, t_max]: [f64; 2])
     let start = more(more(more(t_min, near[2]), near[0]), near[1]);
     let end = less(less(less(t_max, far[2]), far[0]), far[1]);
     (start <= end + space.lead).then_some(start)
-}
-
-/// The other two axes, in the order that makes a right-handed system.
-#[inline(always)]
-pub(super) fn across(axis: usize) -> [usize; 2] {
-    let next = if axis == 2 { 0 } else { axis + 1 };
-    [next, 3 - axis - next]
 }
 
 /// A ray in the coordinates of a tree.

@@ -1,7 +1,7 @@
 //! RADIANCE's `polygon`: any number of vertices near a plane, concave or with holes (by a seam walked twice).
 
 use super::{Bounds, Ray, tolerance};
-use crate::vector::{Vec3, across};
+use crate::vector::{Vec3, across, longest};
 
 /// A flat surface. Hits are on the mean plane of the vertices, inside by the even-odd rule.
 #[derive(Clone, Debug)]
@@ -36,7 +36,7 @@ impl Polygon {
         let sum: Vec3 = vertices.windows(2).skip(1).map(|w| (w[0] - first).cross(w[1] - first)).sum();
         let normal = sum.try_normalize()?;
         let offset = first.dot(normal) + vertices.iter().map(|&v| (v - first).dot(normal)).sum::<f64>() / vertices.len() as f64;
-        let axes = across(normal);
+        let axes = across(longest(normal));
         let outline: Box<[_]> = vertices.iter().map(|v| axes.map(|i| v[i])).collect();
         let low = [0, 1].map(|i| outline.iter().map(|p| p[i]).fold(f64::INFINITY, f64::min) - margin);
         let high = [0, 1].map(|i| outline.iter().map(|p| p[i]).fold(f64::NEG_INFINITY, f64::max) + margin);

@@ -1,13 +1,14 @@
 //! A polygon without holes as triangles, by clipping ears (Meisters 1975, "Polygons Have Ears").
 
-use crate::vector::{Vec3, across};
+use crate::vector::{Vec3, across, longest};
 
 /// Three places in the list of corners for each triangle, n − 2 of them. Starts with the ear at the first corner, as `obj2mesh` does.
 pub fn triangulate(corners: &[Vec3]) -> Vec<[usize; 3]> {
     let n = corners.len();
     let normal: Vec3 = (1..n.saturating_sub(1)).map(|i| (corners[i] - corners[0]).cross(corners[i + 1] - corners[0])).sum();
-    let [x, y] = across(normal);
-    let flip = normal[3 - x - y] < 0.0;
+    let axis = longest(normal);
+    let [x, y] = across(axis);
+    let flip = normal[axis] < 0.0;
     let flat: Vec<[f64; 2]> = corners.iter().map(|p| if flip { [p[y], p[x]] } else { [p[x], p[y]] }).collect();
     let side = |a: usize, b: usize, c: usize| {
         let (a, b, c) = (flat[a], flat[b], flat[c]);

@@ -96,12 +96,12 @@ impl Look<'_> {
         let halves = pictures(basis, &[model.coefficients(&found.values)]).swap_remove(0);
         let weights = sheet.by_variance(&halves, &sheet.variances(&halves, basis), &basis.samples);
         let scores = |values: &[f64]| {
-            let mut place = Evaluation::new(model, basis, values, self.bounds);
+            let mut here = Evaluation::new(model, basis, values, self.bounds);
             // A value that no pixel tells stays where it is.
             for (slot, _) in &range.axes {
-                place.derivatives[*slot].iter_mut().for_each(|half| half.fill([0.0; 3]));
+                here.derivatives[*slot].iter_mut().for_each(|half| half.fill([0.0; 3]));
             }
-            Scores::new(sheet, weights.clone(), place, self.bounds)
+            Scores::new(sheet, weights.clone(), here, self.bounds)
         };
         let best_with = |i: usize| {
             let mut values = found.values.clone();

@@ -15,7 +15,7 @@ use crate::unknown::{EXPOSURES, ROUGHNESSES, Unknown};
 pub struct Known<'a> {
     /// Their covariance.
     pub covariance: Symmetric,
-    /// What an error of 1.5 % that the pixels have in common does to them, if pixels were looked at.
+    /// What an error of `COMMON` that the pixels have in common does to them, if pixels were looked at.
     pub common: Option<&'a Symmetric>,
     /// And how large an error they have seems to be.
     pub misfit: f64,

@@ -73,8 +73,8 @@ fn by(model: &mut dyn Model, evidence: &Evidence, unknown: &Unknown, pixels: &[u
     model.tune(&values, None);
     let each = (SAMPLES / (pixels.len() as f64)).clamp(EACH.0, EACH.1);
     let basis = model.trace_all(pixels, each as u32, seed);
-    let place = Evaluation::new(model, &basis, &values, &bounds);
-    let halves = &place.halves;
+    let here = Evaluation::new(model, &basis, &values, &bounds);
+    let halves = &here.halves;
     // What would be photographed is what is rendered.
     let (width, height) = (evidence.film.width, evidence.film.height);
     let mut target = Picture { width, height, header: Header::default(), pixels: vec![[0.0; 3]; width * height] };
@@ -86,6 +86,6 @@ fn by(model: &mut dyn Model, evidence: &Evidence, unknown: &Unknown, pixels: &[u
     let dark = DARK * sheet.level;
     let weights: Channels =
         sheet.target.iter().map(|t| t.map(|v| ((NOISE * v as f64).powi(2) + dark * dark).max(f64::MIN_POSITIVE).recip() as f32)).collect();
-    let scores = Scores::new(&sheet, Weights::new([weights.clone(), weights]), place, &bounds);
+    let scores = Scores::new(&sheet, Weights::new([weights.clone(), weights]), here, &bounds);
     Ok(Prediction { covariance: scores.expected(), common: scores.common(), pixels: pixels.len(), level: sheet.level })
 }

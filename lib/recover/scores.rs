@@ -123,8 +123,8 @@ impl<'a> Scores<'a> {
     }
 
     /// The product of what both halves are off by at a place, which the noise of the rendering adds nothing to on the average.
-    fn cross(&self, place: &Evaluation, p: usize, c: usize) -> f64 {
-        place.halves.iter().map(|half| self.sheet.target[p][c] as f64 - half[p][c]).product()
+    fn cross(&self, at: &Evaluation, p: usize, c: usize) -> f64 {
+        at.halves.iter().map(|half| self.sheet.target[p][c] as f64 - half[p][c]).product()
     }
 
     /// By how many standard errors the pixels are farther off at another place, by the weights that they have at this one.

@@ -97,14 +97,11 @@ impl Trial {
     /// are needed the pixels say.
     fn same_within(&self, other: &Self, most: f64) -> bool {
         let (Some(mine), Some(others)) = (&self.lobes, &other.lobes) else { return false };
-        if self.kind.ends_with('2') != other.kind.ends_with('2') {
-            return false;
-        }
         let near = |(a, b): (&(f64, f64), &(f64, f64))| {
             let error = SAME * (a.1 + b.1).max(0.0).sqrt();
             (a.0 - b.0).abs() < error.clamp(SAME_WITHIN.0, most)
         };
-        mine.iter().zip(others).all(near)
+        self.kind.ends_with('2') == other.kind.ends_with('2') && mine.iter().zip(others).all(near)
     }
 }
 
@@ -154,7 +151,7 @@ fn kept(pixels: &[usize], width: usize, about: usize) -> Vec<usize> {
     pixels.iter().copied().filter(counts).collect()
 }
 
-/// Which of the trials of a sample the picture supports best: of those that none excludes, the simplest.
+/// Which of the trials of a sample the picture supports best: of those that none excludes, the simplest, but with two roughnesses if that is tried.
 ///
 /// # Panics
 /// Without any trial.

@@ -22,7 +22,7 @@ const L: usize = 2;
 const THIN: f64 = 0.02;
 const OPAQUE: f64 = 20.0;
 
-/// Where a transmissivity stands among others: ln(1 + σ/0.02) of the extinction σ. There what is let through on a way of any length, e^−σℓ, is as
+/// Where a transmissivity stands among others: ln(1 + σ/`THIN`) of the extinction σ. There what is let through on a way of any length, e^−σℓ, is as
 /// smooth as on any other, or smoother.
 pub fn depth(transmissivity: f64) -> f64 {
     ((-transmissivity.ln()).clamp(0.0, OPAQUE) / THIN).ln_1p()

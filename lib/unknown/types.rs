@@ -111,4 +111,18 @@ mod tests {
         let wrong = Wishes { fixed: vec!["gloss".into()], ..Wishes::default() };
         assert!(Unknown::taken_for("metal", &document, &wrong).unwrap_err().message.contains("no type of material that is tried"));
     }
+
+    #[test]
+    fn two_roughnesses_of_the_file_are_tried_beside_the_types() {
+        let kinds = |text: &str, fixed: &[&str]| {
+            let document = Document::parse(Source::new("a.rad", text)).unwrap();
+            let wishes = Wishes { fixed: fixed.iter().map(|name| name.to_string()).collect(), ..Wishes::default() };
+            let all = Unknown::of_each_type(&document, &wishes).unwrap();
+            all.into_iter().map(|(kind, unknown)| (kind, unknown.unwrap().parameters().len())).collect::<Vec<_>>()
+        };
+        let types = [("plastic", 5), ("metal", 5), ("trans", 7), ("dielectric", 4), ("glass", 3)].map(|(kind, n)| (kind.to_string(), n));
+        assert_eq!(kinds("void plastic m 0 0 5 .5 .5 .5 .1 .1", &[]), types);
+        let brushed = kinds("void metal2 m 4 0 0 1 . 0 6 .5 .5 .5 .9 .1 .2", &["vrough"]);
+        assert_eq!((&brushed[..5], brushed[5].0.as_str(), brushed[5].1), (&types[..], "metal2", 5));
+    }
 }
