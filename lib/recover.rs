@@ -36,6 +36,7 @@ use crate::unknown::Unknown;
 use crate::world::World;
 use doubts::Known;
 use model::Kind;
+pub use polished::otherwise;
 use rayon::prelude::*;
 use rough::Sought;
 use serde::{Deserialize, Serialize};
@@ -46,6 +47,8 @@ use std::time::Instant;
 pub struct Evidence<'a> {
     /// The scene, with the unknown at its starting values.
     pub world: &'a World,
+    /// The same with the unknown as [`otherwise`] says, if it says anything.
+    pub otherwise: Option<&'a World>,
     /// The rules of its light.
     pub rules: &'a Rules,
     /// The view.

@@ -36,6 +36,17 @@ fn polished_metal_is_found_where_its_roughness_is_known() {
     );
 }
 
+/// Shadow rays go on through polished trans, and end at what is rough, as START.rad is here.
+#[test]
+fn polished_trans_is_found_from_a_rough_start() {
+    let known = "--param rough=.1:0:.3 --param tspec=.5:0:1 --fix tspec";
+    check(
+        "trans it 0 0 7 .8 .6 .4 .05 0 .6 .5",
+        known,
+        &[("red", 0.8), ("green", 0.6), ("blue", 0.4), ("spec", 0.05), ("rough", 0.0), ("trans", 0.6)],
+    );
+}
+
 /// RADIANCE leaves the Fresnel term of metal as it is, however dark a pattern: without that, red was .8115 ± .0009.
 #[test]
 fn polished_metal_is_found_under_a_pattern() {

@@ -10,7 +10,7 @@ use crate::expand::{Flat, expand};
 use crate::metric::{self, Loss, Named};
 use crate::picture::{Header, Picture};
 use crate::rad::{Class, Document, Number, Primitive};
-use crate::recover::{Evidence, Recovery};
+use crate::recover::{Evidence, Recovery, otherwise};
 use crate::render::{Budget, Film, Filter, Task, render};
 use crate::report::{Setting, Views};
 use crate::rules::Rules;
@@ -31,6 +31,7 @@ pub struct Photo<'a> {
     material: MaterialId,
     rules: Rules,
     world: World,
+    otherwise: Option<World>,
     film: Film,
     target: Picture,
     steps: Vec<[f32; 3]>,
@@ -111,7 +112,7 @@ impl<'a> Photo<'a> {
             return Err(Error::new(format!("the scene has no light, so that every rendering is black: {remedy}")).into());
         }
         let world = surveyed(scene, &rules, material, &film)?;
-        Ok(Self {
+        let mut photo = Self {
             read: disk.read(),
             unknown: unknown.clone(),
             flat,
@@ -120,19 +121,38 @@ impl<'a> Photo<'a> {
             material,
             rules,
             world,
+            otherwise: None,
             film,
             target,
             steps,
             mask: mask.transpose()?,
             blurred: photo.filter == Some(Sharpness::Unknown),
             seed: arguments.common.seed,
-        })
+        };
+        photo.otherwise = photo.remade()?;
+        Ok(photo)
+    }
+
+    /// The world with the unknown as it may be otherwise than it starts.
+    fn remade(&self) -> Result<Option<World>> {
+        let remade = |reals| {
+            let mut flat = self.flat.clone();
+            flat.primitives[self.place].reals = reals;
+            self.surveyed(&flat)
+        };
+        otherwise(&self.unknown).map(remade).transpose()
+    }
+
+    /// The world of a description like its own, ready for its picture.
+    fn surveyed(&self, flat: &Flat) -> Result<World> {
+        surveyed(Scene::new(flat, &self.disk, false)?, &self.rules, self.material, &self.film)
     }
 
     /// What there is to go by.
     pub fn evidence(&self) -> Evidence<'_> {
         Evidence {
             world: &self.world,
+            otherwise: self.otherwise.as_ref(),
             rules: &self.rules,
             film: &self.film,
             target: &self.target,
@@ -187,7 +207,7 @@ impl<'a> Photo<'a> {
         );
         let mut flat = self.flat.clone();
         flat.primitives.extend(Document::read("the lamp", lamp.into_bytes())?.primitives().cloned());
-        surveyed(Scene::new(&flat, &self.disk, false)?, &self.rules, self.material, &self.film)
+        self.surveyed(&flat)
     }
 
     /// Which material of the scene is the unknown.
@@ -208,7 +228,8 @@ impl<'a> Photo<'a> {
     pub fn take_for(&mut self, unknown: Unknown) -> Result<()> {
         self.flat.primitives[self.place].clone_from(unknown.material());
         self.unknown = unknown;
-        self.world = surveyed(Scene::new(&self.flat, &self.disk, false)?, &self.rules, self.material, &self.film)?;
+        self.world = self.surveyed(&self.flat)?;
+        self.otherwise = self.remade()?;
         Ok(())
     }
 }

@@ -1,67 +1,97 @@
 //! Whether what seems smooth is polished: up to a roughness of .001 RADIANCE takes a surface for a mirror with a Fresnel term,
 //! which no lobe becomes, however narrow.
 
+use super::doubts::{Standing, judge};
 use super::model::Kind;
 use super::rough::{self, SMOOTHEST, Sought};
-use super::{Effort, Recovery};
+use super::sheet::COMMON;
+use super::{Effort, Evidence, Recovery};
 use crate::anneal::linear::Symmetric;
 use crate::error::Result;
 use crate::material::{FRESNEL_FROM, PURE};
 use crate::unknown::Unknown;
 
 /// By how many standard errors a roughness must be more than the least that a lobe is looked at with for a lobe to be certain; and from which
-/// roughness on it is, however large its error.
+/// roughness on it is, however large its error. By as many pixels must be nearer to a mirror than to a lobe that may be of any roughness.
 const SURE: f64 = 3.0;
 const ROUGH: f64 = 0.02;
 
-/// By how many standard errors pixels must be farther from a mirror than from a lobe, which has a roughness more to fit them with.
+/// By how many standard errors pixels must be farther from a mirror than from a lobe that seems smooth, which has a roughness more to fit them with.
 const FARTHER: f64 = 1.0;
 
 /// The places of specularity and roughness among the real arguments.
 const SPECULARITY: usize = 3;
 const ROUGHNESS: usize = 4;
 
+/// The real arguments of trans that is polished, if it does not start so, or rough, if it does; `None` where it cannot be otherwise than it starts.
+/// Shadow rays go on through what is polished, and end at what is rough, in a scene that was built with it.
+pub fn otherwise(unknown: &Unknown) -> Option<Vec<f64>> {
+    let kind = Kind::named(&unknown.material().kind).filter(|kind| kind.transmits && !kind.anisotropic)?;
+    let slot = unknown.slots()[kind.roughnesses().start]?;
+    let mut values: Vec<f64> = unknown.bounds().iter().map(|(low, high)| 0.5 * (low + high)).collect();
+    let (low, high) = unknown.bounds()[slot];
+    values[slot] = if starts_polished(unknown) { high } else { 0.0 };
+    (low <= PURE && high > PURE).then(|| unknown.reals(&values))
+}
+
+fn starts_polished(unknown: &Unknown) -> bool {
+    unknown.reals(&unknown.start())[ROUGHNESS].abs() <= PURE
+}
+
 /// Recovers the numbers of plastic, metal, trans and their anisotropic kin, polished or not.
 pub fn recover(sought: &Sought, effort: Effort, tell: &dyn Fn(&str)) -> Result<Recovery> {
+    let Evidence { world, otherwise, .. } = *sought.evidence;
+    let other = otherwise.unwrap_or(world);
+    let worlds = if starts_polished(sought.unknown) { [other, world] } else { [world, other] };
+    let [rough, smooth] = worlds.map(|world| Evidence { world, ..*sought.evidence });
+    let sought = &Sought { evidence: &rough, ..*sought };
     let open = |found: &Recovery| polished(sought.unknown, sought.kind, found);
-    let found = rough::recover(sought, effort, &|found| open(found).is_some(), tell)?;
-    let Some((slot, mirror)) = open(&found).filter(|_| !effort.late()) else { return Ok(found) };
+    let found = rough::recover(sought, effort, &|found| open(found).is_some_and(|(.., farther)| farther > 0.0), tell)?;
+    let Some((slot, mirror, farther)) = open(&found).filter(|_| !effort.late()) else { return Ok(found) };
     tell("polished");
     let mut near = found.values.clone();
     slot.map(|slot| near.remove(slot));
     let near: Vec<f64> = near.iter().zip(mirror.bounds()).map(|(value, (low, high))| value.clamp(low, high)).collect();
     let whole = |found: Recovery| if let Some(slot) = slot { with_roughness(found, slot) } else { found };
     let told = |found: &Recovery| (effort.told)(&whole(found.clone()));
-    let other = whole(rough::polished(&Sought { unknown: &mirror, ..*sought }, Effort { told: &told, ..effort }, &near));
-    if other.excess(&found) < FARTHER {
+    let other = whole(rough::polished(&Sought { evidence: &smooth, unknown: &mirror, ..*sought }, Effort { told: &told, ..effort }, &near));
+    if other.excess(&found) < farther {
         return Ok(other);
+    }
+    if farther < 0.0 {
+        return Ok(found);
     }
     let effort = Effort { around: Some(&found.values), ..effort };
     rough::recover(sought, effort, &|_| false, tell)
 }
 
-/// The unknown as one that is polished, if what was found of it leaves that open, with the place of the roughness among its parameters.
-fn polished(unknown: &Unknown, kind: Kind, found: &Recovery) -> Option<(Option<usize>, Unknown)> {
-    let starts_polished = unknown.reals(&unknown.start())[ROUGHNESS].abs() <= PURE;
-    // Shadow rays pass what is polished, or not, by what the scene was built with.
-    if kind.anisotropic || kind.transmits && !starts_polished {
+/// The unknown as one that is polished, if what was found of it leaves that open, after the place of the roughness among its parameters, and with
+/// how much farther from it the pixels must be for it not to be so.
+fn polished(unknown: &Unknown, kind: Kind, found: &Recovery) -> Option<(Option<usize>, Unknown, f64)> {
+    if kind.anisotropic {
         return None;
     }
     let slots = unknown.slots();
     let roughness = unknown.reals(&found.values)[ROUGHNESS].abs();
-    let mirror = match slots[ROUGHNESS] {
-        None => (roughness <= PURE).then(|| unknown.clone()),
+    let (mirror, farther) = match slots[ROUGHNESS] {
+        None => ((roughness <= PURE).then(|| unknown.clone()), FARTHER),
         Some(slot) => {
-            let open = roughness - SURE * found.errors()[slot] <= SMOOTHEST && roughness <= ROUGH;
+            let smooth = roughness - SURE * found.errors()[slot] <= SMOOTHEST && roughness <= ROUGH;
+            // Where trans that is rough does not explain the picture, its shadows may not be those of one that is.
+            let astray = kind.transmits && found.misfit > COMMON;
+            let any = || judge(unknown, &found.values, &found.known()).standings[slot] == Standing::Open;
+            let farther = if smooth || astray { FARTHER } else { -SURE };
             let alone = slots.iter().filter(|s| **s == Some(slot)).count() == 1;
-            if open && alone && unknown.bounds()[slot].0 <= PURE { unknown.knowing(slot, 0.0) } else { None }
+            let open = alone && unknown.bounds()[slot].0 <= PURE && (smooth || astray || any());
+            (if open { unknown.knowing(slot, 0.0) } else { None }, farther)
         }
-    }?;
+    };
+    let mirror = mirror?;
     let mirror = match mirror.slots()[SPECULARITY] {
         Some(slot) => (mirror.bounds()[slot].1 > FRESNEL_FROM).then(|| mirror.at_least(slot, FRESNEL_FROM)),
         None => (mirror.reals(&mirror.start())[SPECULARITY] >= FRESNEL_FROM).then_some(mirror),
     };
-    Some((slots[ROUGHNESS], mirror?))
+    Some((slots[ROUGHNESS], mirror?, farther))
 }
 
 /// What was found of a mirror, with a roughness among its values: any up to [`PURE`].

@@ -277,8 +277,15 @@ pub fn polished(sought: &Sought, effort: Effort, near: &[f64]) -> Recovery {
     let grid = [(); 2].map(|()| REFLECTANCES.to_vec());
     let mut stage = Stage::new(evidence, unknown, material, Kind { polished: true, ..kind }, grid, vec![]);
     let bounds = unknown.bounds();
-    let look = Look { evidence, pixels, parameters: unknown.parameters(), bounds: &bounds, effort: &effort, another: &|| false };
-    look.at(&mut stage, near, &mut Seeds::new(effort.seed)).found
+    let mut seeds = Seeds::new(effort.seed);
+    let mut look = |effort: &Effort, near: &[f64]| {
+        let look = Look { evidence, pixels, parameters: unknown.parameters(), bounds: &bounds, effort, another: &|| false };
+        look.at(&mut stage, near, &mut seeds).found
+    };
+    // Light that meets it more often than `ORDER` is that of the values it is looked at with, which those of a lobe are not: of a ball that light goes
+    // through, colours came out .3 to .8 % too bright.
+    let nearer = look(&Effort { quick: true, told: &|_| {}, ..effort }, near).values;
+    look(&effort, &nearer)
 }
 
 /// Recovers the numbers; no further than to a look that finds what is `enough`.

@@ -20,6 +20,7 @@ pub fn photographed(material: &str, scene: &str, view: &str) -> TempDir {
     let start = match head.rsplit(' ').next().unwrap() {
         "dielectric" => "0 0 5 .5 .5 .5 1.5 0",
         "glass" => "0 0 3 .5 .5 .5",
+        "trans" => "0 0 7 .5 .5 .5 .1 .1 .3 .2",
         _ => "0 0 5 .5 .5 .5 .1 .1",
     };
     fs::write(path.join("start.rad"), format!("void {head} it {start}\n")).unwrap();
