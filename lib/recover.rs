@@ -225,6 +225,10 @@ pub fn recover(evidence: &Evidence, unknown: &Unknown, material: MaterialId, eff
     let once = |film: &Film, effort: Effort| {
         let evidence = Evidence { film, ..*evidence };
         let pixels = evidence.pixels(unknown, material)?;
+        if pixels.iter().all(|&n| evidence.target.pixels[n] == [0.0; 3]) {
+            let remedy = "check that it is the right one, and the view and the mask";
+            return Err(Error::new(format!("the picture is black wherever it shows `{}`: {remedy}", unknown.material().name)));
+        }
         match Kind::named(&unknown.material().kind) {
             Some(kind) => polished::recover(&Sought { evidence: &evidence, unknown, material, kind, pixels: &pixels }, effort, tell),
             None => clear::recover(&evidence, unknown, material, &pixels, effort, tell),

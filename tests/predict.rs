@@ -109,5 +109,8 @@ fn what_is_missing_is_said() {
     assert!(trouble("-x 40 --scene scene.rad --target a.hdr start.rad").contains("--predict"));
     fs::write(directory.path().join("dark.rad"), BALL).unwrap();
     assert!(trouble("--predict --scene dark.rad -vp 0 -5 0 start.rad").contains("the scene has no light"));
+    let black = [b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 4 +X 4\n".as_slice(), &[0; 64]].concat();
+    fs::write(directory.path().join("black.hdr"), black).unwrap();
+    assert!(trouble("--scene scene.rad --target black.hdr -vp 0 -5 0 start.rad").contains("the picture is black wherever it shows `it`"));
     assert!(trouble("--predict --type auto --scene scene.rad -vp 0 -5 0 start.rad").contains("--type auto"));
 }

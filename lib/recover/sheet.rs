@@ -220,8 +220,11 @@ impl<'a> Sheet<'a> {
         };
         let of_channel = |c: usize| {
             let mut values: Alike = (0..self.numbers.len()).map(|i| (i, c, deviation(i, c))).filter(|value| value.2 > 0.0).collect();
-            values.sort_by_key(|value| self.target[value.0][c].to_bits());
-            let alike = values.chunk_by(|a, b| self.target[a.0][c] == self.target[b.0][c]);
+            // What is less than a step may be nothing, in all pixels.
+            let least = |i: usize| self.target[i][c] < steps[self.numbers[i]][c];
+            let key = |value: &(usize, usize, f32)| if least(value.0) { 0 } else { self.target[value.0][c].to_bits() };
+            values.sort_by_key(key);
+            let alike = values.chunk_by(|a, b| key(a) == key(b));
             alike.filter(|alike| alike.len() > 1).map(<[_]>::to_vec).collect::<Vec<_>>()
         };
         (0..3).flat_map(of_channel).collect()
