@@ -12,7 +12,7 @@ mod tests;
 
 pub use clear::{Clear, depth};
 pub use lobes::Alpha;
-pub use rough::{MOST_NODES, Monomials, ORDER, Rough};
+pub use rough::{MOST_NODES, Monomials, ORDER, POLISHED_ORDER, Rough};
 
 use crate::color::Rgb;
 use crate::geometry::Ray;

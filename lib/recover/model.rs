@@ -60,7 +60,7 @@ pub type Grid = [Vec<f64>; 2];
 pub fn coefficients(kind: Kind, monomials: &Monomials, grid: &Grid, a: &[f64]) -> [Vec<f64>; 3] {
     let mut parts = parts(kind, a);
     let nodes = match kind.polished {
-        true => std::mem::replace(&mut parts[2], [1.0; 3]).map(|reflectance| cubic(&grid[0], reflectance)),
+        true => std::mem::replace(&mut parts[2], [1.0; 3]).map(|reflectance| lagrange(&grid[0], reflectance, grid[0].len())),
         false => {
             let nodes = nodes(kind, grid, &a[kind.roughnesses()]);
             [nodes.clone(), nodes.clone(), nodes]

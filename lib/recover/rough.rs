@@ -11,7 +11,7 @@ use crate::anneal::{Annealer, Options};
 use crate::color::Rgb;
 use crate::error::Result;
 use crate::scene::MaterialId;
-use crate::transport::{self, Alpha, Basis, ORDER, Pixels, Rough};
+use crate::transport::{self, Alpha, Basis, POLISHED_ORDER, Pixels, Rough};
 use crate::unknown::Unknown;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -254,7 +254,7 @@ pub fn near_start<'a>(sought: &Sought<'a>) -> impl Model + 'a {
 }
 
 /// Reflectances that a polished unknown is looked at with: as many as a product of the basis needs.
-const REFLECTANCES: [f64; ORDER + 1] = [0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0];
+const REFLECTANCES: [f64; POLISHED_ORDER + 1] = [0.0, 0.2, 0.4, 0.6, 0.8, 1.0];
 
 /// What is recovered, and from what.
 #[derive(Clone, Copy)]
@@ -282,8 +282,8 @@ pub fn polished(sought: &Sought, effort: Effort, near: &[f64]) -> Recovery {
         let look = Look { evidence, pixels, parameters: unknown.parameters(), bounds: &bounds, effort, another: &|| false };
         look.at(&mut stage, near, &mut seeds).found
     };
-    // Light that meets it more often than `ORDER` is that of the values it is looked at with, which those of a lobe are not: of a ball that light goes
-    // through, colours came out .3 to .8 % too bright.
+    // Light that meets it more often than products tell is that of the values it is looked at with, which those of a lobe are not: of a ball that light
+    // goes through, colours came out .3 to .8 % too bright.
     let nearer = look(&Effort { quick: true, told: &|_| {}, ..effort }, near).values;
     look(&effort, &nearer)
 }

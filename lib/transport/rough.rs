@@ -20,7 +20,10 @@ use wide::f32x8;
 /// How often a path may meet the unknown. What is left out beyond is below .2 % on strongly concave objects.
 pub const ORDER: usize = 3;
 
-/// The products of lobe coefficients that paths carry: how often each [`Part`] of the unknown was met, up to [`ORDER`] in all.
+/// The same of one that is polished, which needs few nodes: light goes straight through closed bodies, and meets them again and again.
+pub const POLISHED_ORDER: usize = 5;
+
+/// The products of lobe coefficients that paths carry: how often each [`Part`] of the unknown was met, up to [`ORDER`] or [`POLISHED_ORDER`] in all.
 #[derive(Clone, Debug)]
 pub struct Monomials {
     /// Exponents of the coefficients of the four parts.
@@ -29,22 +32,24 @@ pub struct Monomials {
     offsets: Vec<usize>,
     /// Which product each becomes with one more of a part.
     next: Vec<[Option<u8>; 4]>,
+    polished: bool,
     nodes: usize,
     columns: usize,
 }
 
 impl Monomials {
-    /// All products for an unknown that transmits light or does not, with lobes at `nodes` roughnesses.
-    pub fn new(transmits: bool, nodes: usize) -> Self {
-        let mut monomials = Self { exponents: Vec::new(), offsets: Vec::new(), next: Vec::new(), nodes, columns: 0 };
+    /// All products for an unknown that transmits light or does not, with lobes at `nodes` roughnesses; of a polished one, with reflectances.
+    pub fn new(transmits: bool, polished: bool, nodes: usize) -> Self {
+        let mut monomials = Self { exponents: Vec::new(), offsets: Vec::new(), next: Vec::new(), polished, nodes, columns: 0 };
+        let order = if polished { POLISHED_ORDER } else { ORDER };
         let most = |part: usize, left: usize| if part % 2 == 1 && !transmits { 0 } else { left };
-        for a in 0..=ORDER {
-            for b in 0..=most(1, ORDER - a) {
-                for c in 0..=ORDER - a - b {
-                    for d in 0..=most(3, ORDER - a - b - c) {
+        for a in 0..=order {
+            for b in 0..=most(1, order - a) {
+                for c in 0..=order - a - b {
+                    for d in 0..=most(3, order - a - b - c) {
                         monomials.offsets.push(monomials.columns);
-                        monomials.columns += if c + d > 0 { nodes } else { 1 };
                         monomials.exponents.push([a as u8, b as u8, c as u8, d as u8]);
+                        monomials.columns += if monomials.varies(monomials.exponents.len() - 1) { nodes } else { 1 };
                     }
                 }
             }
@@ -57,14 +62,15 @@ impl Monomials {
         monomials
     }
 
-    /// The product `m` times the coefficient of one more part; `None` beyond [`ORDER`].
+    /// The product `m` times the coefficient of one more part; `None` if it was met too often.
     fn times(&self, m: u8, part: Part) -> Option<u8> {
         self.next[m as usize][part as usize]
     }
 
-    /// Whether a product's picture depends on the roughness.
+    /// Whether a product's picture depends on the roughness, or on what a mirror reflects.
     pub fn varies(&self, m: usize) -> bool {
-        self.exponents[m][2] + self.exponents[m][3] > 0
+        let [_, _, reflected, through] = self.exponents[m];
+        reflected > 0 || through > 0 && !self.polished
     }
 
     /// The number of columns of a channel: one for each product, or one for each product and node.
@@ -96,7 +102,7 @@ pub struct Rough {
     proposals: Vec<Alpha>,
     /// The products of coefficients.
     pub monomials: Monomials,
-    /// What the coefficients of the four parts may be taken for where a path meets the unknown more often than [`ORDER`]; without, it ends.
+    /// What the coefficients of the four parts may be taken for where a path meets the unknown more often than products tell; without, it ends.
     pub guess: Option<[Rgb; 4]>,
     /// Whether a direction more is worth its cost at the first surface ([`Transport::control`]): where light hardly differs within the lobe.
     pub control: bool,
@@ -112,17 +118,18 @@ pub const MOST_NODES: usize = 8 * LANES;
 impl Rough {
     /// A material explored at the roughnesses `nodes`, all on the same directions, drawn from the roughnesses `proposals`.
     pub fn new(material: MaterialId, metal: bool, transmits: bool, nodes: Vec<Alpha>, proposals: Vec<Alpha>) -> Self {
-        let monomials = Monomials::new(transmits, nodes.len());
+        let monomials = Monomials::new(transmits, false, nodes.len());
         let lobes = Lobes::new(&nodes, &proposals);
         Self { material, metal, transmits, nodes, proposals, monomials, guess: None, control: false, mirror: None, lobes }
     }
 
     /// A polished material: a mirror that is explored at these reflectances, from 0 to 1. A product's picture is a polynomial of its reflectance,
-    /// no higher than [`ORDER`], as (1 − F) r + F is at every meeting: one reflectance more than that suffices.
+    /// no higher than [`POLISHED_ORDER`], as (1 − F) r + F is at every meeting: one reflectance more than that suffices.
     pub fn polished(material: MaterialId, metal: bool, transmits: bool, reflectances: &[f64]) -> Self {
         let lane = |chunk: &[f64]| f32x8::from(std::array::from_fn(|i| chunk.get(i).map_or(0.0, |&r| r as f32)));
         let mirror = Some(reflectances.chunks(LANES).map(lane).collect());
-        Self { mirror, ..Self::new(material, metal, transmits, vec![[0.0; 2]; reflectances.len()], vec![]) }
+        let monomials = Monomials::new(transmits, true, reflectances.len());
+        Self { mirror, monomials, ..Self::new(material, metal, transmits, vec![[0.0; 2]; reflectances.len()], vec![]) }
     }
 
     /// Draws directions from these roughnesses from now on.
