@@ -31,6 +31,7 @@ pub struct Photo<'a> {
     material: MaterialId,
     rules: Rules,
     world: World,
+    /// The same with the unknown as it may be otherwise than it starts.
     otherwise: Option<World>,
     film: Film,
     target: Picture,

@@ -45,53 +45,64 @@ pub fn recover(sought: &Sought, effort: Effort, tell: &dyn Fn(&str)) -> Result<R
     let worlds = if starts_polished(sought.unknown) { [other, world] } else { [world, other] };
     let [rough, smooth] = worlds.map(|world| Evidence { world, ..*sought.evidence });
     let sought = &Sought { evidence: &rough, ..*sought };
-    let open = |found: &Recovery| polished(sought.unknown, sought.kind, found);
-    let found = rough::recover(sought, effort, &|found| open(found).is_some_and(|(.., farther)| farther > 0.0), tell)?;
-    let Some((slot, mirror, farther)) = open(&found).filter(|_| !effort.late()) else { return Ok(found) };
+    let open = |found: &Recovery| Mirror::of(sought.unknown, sought.kind, found);
+    let found = rough::recover(sought, effort, &|found| open(found).is_some_and(|mirror| mirror.likely), tell)?;
+    let Some(Mirror { unknown, slot, likely }) = open(&found).filter(|_| !effort.late()) else { return Ok(found) };
     tell("polished");
     let mut near = found.values.clone();
     slot.map(|slot| near.remove(slot));
-    let near: Vec<f64> = near.iter().zip(mirror.bounds()).map(|(value, (low, high))| value.clamp(low, high)).collect();
+    let near: Vec<f64> = near.iter().zip(unknown.bounds()).map(|(value, (low, high))| value.clamp(low, high)).collect();
     let whole = |found: Recovery| if let Some(slot) = slot { with_roughness(found, slot) } else { found };
     let told = |found: &Recovery| (effort.told)(&whole(found.clone()));
-    let other = whole(rough::polished(&Sought { evidence: &smooth, unknown: &mirror, ..*sought }, Effort { told: &told, ..effort }, &near));
-    if other.excess(&found) < farther {
+    let other =
+        whole(rough::polished(&Sought { evidence: &smooth, unknown: &unknown, ..*sought }, Effort { told: &told, ..effort }, &near));
+    if other.excess(&found) < if likely { FARTHER } else { -SURE } {
         return Ok(other);
     }
-    if farther < 0.0 {
+    if !likely {
         return Ok(found);
     }
     let effort = Effort { around: Some(&found.values), ..effort };
     rough::recover(sought, effort, &|_| false, tell)
 }
 
-/// The unknown as one that is polished, if what was found of it leaves that open, after the place of the roughness among its parameters, and with
-/// how much farther from it the pixels must be for it not to be so.
-fn polished(unknown: &Unknown, kind: Kind, found: &Recovery) -> Option<(Option<usize>, Unknown, f64)> {
-    if kind.anisotropic {
-        return None;
-    }
-    let slots = unknown.slots();
-    let roughness = unknown.reals(&found.values)[ROUGHNESS].abs();
-    let (mirror, farther) = match slots[ROUGHNESS] {
-        None => ((roughness <= PURE).then(|| unknown.clone()), FARTHER),
-        Some(slot) => {
-            let smooth = roughness - SURE * found.errors()[slot] <= SMOOTHEST && roughness <= ROUGH;
-            // Where trans that is rough does not explain the picture, its shadows may not be those of one that is.
-            let astray = kind.transmits && found.misfit > COMMON;
-            let any = || judge(unknown, &found.values, &found.known()).standings[slot] == Standing::Open;
-            let farther = if smooth || astray { FARTHER } else { -SURE };
-            let alone = slots.iter().filter(|s| **s == Some(slot)).count() == 1;
-            let open = alone && unknown.bounds()[slot].0 <= PURE && (smooth || astray || any());
-            (if open { unknown.knowing(slot, 0.0) } else { None }, farther)
+/// An unknown as one that is polished.
+struct Mirror {
+    unknown: Unknown,
+    /// The place of the roughness among its parameters before, if it was one.
+    slot: Option<usize>,
+    /// Whether it may well be so: else what was found of the roughness only leaves it open.
+    likely: bool,
+}
+
+impl Mirror {
+    /// The unknown so, unless what was found of it as a lobe excludes that.
+    fn of(unknown: &Unknown, kind: Kind, found: &Recovery) -> Option<Self> {
+        if kind.anisotropic {
+            return None;
         }
-    };
-    let mirror = mirror?;
-    let mirror = match mirror.slots()[SPECULARITY] {
-        Some(slot) => (mirror.bounds()[slot].1 > FRESNEL_FROM).then(|| mirror.at_least(slot, FRESNEL_FROM)),
-        None => (mirror.reals(&mirror.start())[SPECULARITY] >= FRESNEL_FROM).then_some(mirror),
-    };
-    Some((slots[ROUGHNESS], mirror?, farther))
+        let slots = unknown.slots();
+        let roughness = unknown.reals(&found.values)[ROUGHNESS].abs();
+        let (mirror, likely) = match slots[ROUGHNESS] {
+            None => ((roughness <= PURE).then(|| unknown.clone())?, true),
+            Some(slot) => {
+                let smooth = roughness - SURE * found.errors()[slot] <= SMOOTHEST && roughness <= ROUGH;
+                // Where trans that is rough does not explain the picture, its shadows may not be those of one that is.
+                let likely = smooth || kind.transmits && found.misfit > COMMON;
+                let any = || judge(unknown, &found.values, &found.known()).standings[slot] == Standing::Open;
+                let alone = slots.iter().filter(|s| **s == Some(slot)).count() == 1;
+                if !alone || unknown.bounds()[slot].0 > PURE || !likely && !any() {
+                    return None;
+                }
+                (unknown.knowing(slot, 0.0)?, likely)
+            }
+        };
+        let unknown = match mirror.slots()[SPECULARITY] {
+            Some(slot) => (mirror.bounds()[slot].1 > FRESNEL_FROM).then(|| mirror.at_least(slot, FRESNEL_FROM)),
+            None => (mirror.reals(&mirror.start())[SPECULARITY] >= FRESNEL_FROM).then_some(mirror),
+        };
+        Some(Self { unknown: unknown?, slot: slots[ROUGHNESS], likely })
+    }
 }
 
 /// What was found of a mirror, with a roughness among its values: any up to [`PURE`].
