@@ -78,7 +78,8 @@ pub fn take<'a>(start: &str, target: &str, effort: Effort, arguments: &Arguments
         let mut trials = Vec::new();
         for unknown in unknowns {
             photo.take_for(unknown.clone())?;
-            let evidence = Evidence { mask: Some(&sample.mask), ..photo.evidence() };
+            let otherwise = photo.otherwise()?;
+            let evidence = Evidence { mask: Some(&sample.mask), otherwise: otherwise.as_ref(), ..photo.evidence() };
             let tell = |so_far: &str| console.progress(|| format!("{}: {so_far}", unknown.material().kind));
             trials.push(Trial::new(unknown, recover(&evidence, unknown, photo.material(), effort, &tell)?));
         }

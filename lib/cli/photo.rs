@@ -31,8 +31,6 @@ pub struct Photo<'a> {
     material: MaterialId,
     rules: Rules,
     world: World,
-    /// The same with the unknown as it may be otherwise than it starts.
-    otherwise: Option<World>,
     film: Film,
     target: Picture,
     steps: Vec<[f32; 3]>,
@@ -113,7 +111,7 @@ impl<'a> Photo<'a> {
             return Err(Error::new(format!("the scene has no light, so that every rendering is black: {remedy}")).into());
         }
         let world = surveyed(scene, &rules, material, &film)?;
-        let mut photo = Self {
+        Ok(Self {
             read: disk.read(),
             unknown: unknown.clone(),
             flat,
@@ -122,26 +120,18 @@ impl<'a> Photo<'a> {
             material,
             rules,
             world,
-            otherwise: None,
             film,
             target,
             steps,
             mask: mask.transpose()?,
             blurred: photo.filter == Some(Sharpness::Unknown),
             seed: arguments.common.seed,
-        };
-        photo.otherwise = photo.remade()?;
-        Ok(photo)
+        })
     }
 
-    /// The world with the unknown as it may be otherwise than it starts.
-    fn remade(&self) -> Result<Option<World>> {
-        let remade = |reals| {
-            let mut flat = self.flat.clone();
-            flat.primitives[self.place].reals = reals;
-            self.surveyed(&flat)
-        };
-        otherwise(&self.unknown).map(remade).transpose()
+    /// The world with the unknown as it may be otherwise than it starts, which a recovery goes by too ([`Evidence::otherwise`]).
+    pub fn otherwise(&self) -> Result<Option<World>> {
+        otherwise(&self.unknown).map(|reals| self.surveyed(&self.setting().with(&reals))).transpose()
     }
 
     /// The world of a description like its own, ready for its picture.
@@ -149,11 +139,11 @@ impl<'a> Photo<'a> {
         surveyed(Scene::new(flat, &self.disk, false)?, &self.rules, self.material, &self.film)
     }
 
-    /// What there is to go by.
+    /// What there is to go by, but for [`Self::otherwise`].
     pub fn evidence(&self) -> Evidence<'_> {
         Evidence {
             world: &self.world,
-            otherwise: self.otherwise.as_ref(),
+            otherwise: None,
             rules: &self.rules,
             film: &self.film,
             target: &self.target,
@@ -230,7 +220,6 @@ impl<'a> Photo<'a> {
         self.flat.primitives[self.place].clone_from(unknown.material());
         self.unknown = unknown;
         self.world = self.surveyed(&self.flat)?;
-        self.otherwise = self.remade()?;
         Ok(())
     }
 }

@@ -5,7 +5,7 @@ use super::kept::Kept;
 use super::report::{self, Trail};
 use super::{Answer, Console, Outcome, Output, interrupted};
 use crate::args::anneal::Arguments;
-use crate::recover::{self, Effort, answer};
+use crate::recover::{self, Effort, Evidence, answer};
 use std::time::Instant;
 
 /// Recovers the material from the picture by the basis of its transport.
@@ -23,8 +23,9 @@ pub fn recover(start: &str, target: &str, arguments: &Arguments, console: &Conso
     let (found, cut) = match found {
         Some(found) => (found, false),
         None => {
-            let found =
-                recover::recover(&photo.evidence(), unknown, photo.material(), effort, &|so_far| console.progress(|| so_far.into()))?;
+            let otherwise = photo.otherwise()?;
+            let evidence = Evidence { otherwise: otherwise.as_ref(), ..photo.evidence() };
+            let found = recover::recover(&evidence, unknown, photo.material(), effort, &|so_far| console.progress(|| so_far.into()))?;
             trail.hear(&found, console);
             let cut = stopped();
             if let Some(path) = arguments.search.state.as_ref().filter(|_| !cut) {

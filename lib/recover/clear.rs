@@ -143,11 +143,7 @@ impl Model for Stage<'_> {
 
 /// The weights of columns at some depths for what is let through.
 fn between(depths: &[f64], transmissivity: f64) -> Vec<f64> {
-    let at = depth(transmissivity);
-    let below = depths.partition_point(|depth| *depth <= at);
-    // As many to both sides.
-    let points = (2 * below.min(depths.len() - below)).clamp(POINTS[0], POINTS[1]);
-    lagrange(depths, at, points)
+    lagrange(depths, depth(transmissivity), POINTS)
 }
 
 /// A model near the starting values.

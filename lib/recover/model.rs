@@ -60,7 +60,7 @@ pub type Grid = [Vec<f64>; 2];
 pub fn coefficients(kind: Kind, monomials: &Monomials, grid: &Grid, a: &[f64]) -> [Vec<f64>; 3] {
     let mut parts = parts(kind, a);
     let nodes = match kind.polished {
-        true => std::mem::replace(&mut parts[2], [1.0; 3]).map(|reflectance| lagrange(&grid[0], reflectance, grid[0].len())),
+        true => std::mem::replace(&mut parts[2], [1.0; 3]).map(|reflectance| lagrange(&grid[0], reflectance, [grid[0].len(); 2])),
         false => {
             let nodes = nodes(kind, grid, &a[kind.roughnesses()]);
             [nodes.clone(), nodes.clone(), nodes]
@@ -106,15 +106,17 @@ pub fn alphas(kind: Kind, grid: &Grid) -> Vec<Alpha> {
 /// Weights that interpolate at `x` between nodes at `grid`: Lagrange's cubic through the four nearest, or a parabola through three. Beyond
 /// the ends, the end counts.
 pub fn cubic(grid: &[f64], x: f64) -> Vec<f64> {
-    lagrange(grid, x, 4)
+    lagrange(grid, x, [4; 2])
 }
 
-/// The same by the polynomial through the `points` nearest, an even number, or all if there are not so many.
-pub fn lagrange(grid: &[f64], x: f64, points: usize) -> Vec<f64> {
+/// The same by the polynomial through the nearest: as many to both sides as there are, but not fewer nor more in all than these, which are even; all
+/// if there are not so many.
+pub fn lagrange(grid: &[f64], x: f64, [least, most]: [usize; 2]) -> Vec<f64> {
     let n = grid.len();
     let x = x.clamp(grid[0], grid[n - 1]);
-    let points = points.min(n);
-    let first = grid.partition_point(|&g| g <= x).saturating_sub(points / 2).min(n - points);
+    let below = grid.partition_point(|&g| g <= x);
+    let points = (2 * below.min(n - below)).clamp(least, most).min(n);
+    let first = below.saturating_sub(points / 2).min(n - points);
     let nearest = first..first + points;
     let mut weights = vec![0.0; n];
     for i in nearest.clone() {

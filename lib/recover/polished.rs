@@ -26,8 +26,8 @@ const ROUGHNESS: usize = 4;
 /// The real arguments of trans that is polished, if it does not start so, or rough, if it does; `None` where it cannot be otherwise than it starts.
 /// Shadow rays go on through what is polished, and end at what is rough, in a scene that was built with it.
 pub fn otherwise(unknown: &Unknown) -> Option<Vec<f64>> {
-    let kind = Kind::named(&unknown.material().kind).filter(|kind| kind.transmits && !kind.anisotropic)?;
-    let slot = unknown.slots()[kind.roughnesses().start]?;
+    Kind::named(&unknown.material().kind).filter(|kind| kind.transmits && !kind.anisotropic)?;
+    let slot = unknown.slots()[ROUGHNESS]?;
     let mut values: Vec<f64> = unknown.bounds().iter().map(|(low, high)| 0.5 * (low + high)).collect();
     let (low, high) = unknown.bounds()[slot];
     values[slot] = if starts_polished(unknown) { high } else { 0.0 };

@@ -73,7 +73,8 @@ impl Setting<'_> {
         self.world_of(self.with(reals), self.rules)
     }
 
-    fn with(&self, reals: &[f64]) -> Flat {
+    /// The description with these real arguments of the material.
+    pub fn with(&self, reals: &[f64]) -> Flat {
         let mut flat = self.flat.clone();
         flat.primitives[self.place].reals = reals.to_vec();
         flat
