@@ -101,10 +101,10 @@ pub struct Recovery {
     pub chi2: f64,
     /// How many pixels count.
     pub pixels: usize,
-    /// For each of them the square by which it is off, relatively, without the noise of the rendering: about 0, and below it too, where it fits.
-    /// Empty in one that was kept.
+    /// The number of each of them, and the square by which it is off, relatively, without the noise of the rendering: about 0, and below it too, where
+    /// it fits. Empty in one that was kept.
     #[serde(skip)]
-    pub losses: Vec<f64>,
+    pub losses: Vec<(usize, f64)>,
     /// How much of the derivative by each value is not noise, from 0 to 1. Empty in one that was kept.
     #[serde(skip)]
     pub clarity: Vec<f64>,
@@ -164,11 +164,14 @@ impl Recovery {
         self.sharpness().filter(Blur::is_sure)
     }
 
-    /// By how many standard errors the pixels that both have seen, which come in the same order, are farther off than in another. None counts for
-    /// more than one that is off by as much as it is bright.
+    /// By how many standard errors the pixels that both have seen are farther off than in another.
     fn excess(&self, other: &Self) -> f64 {
-        let off = |loss: &f64| loss.clamp(-1.0, 1.0);
-        scores::in_standard_errors(self.losses.iter().zip(&other.losses).map(|(a, b)| off(a) - off(b)))
+        scores::farther_off(&self.losses, &other.losses)
+    }
+
+    /// How far all its pixels are off.
+    fn loss(&self) -> f64 {
+        self.losses.iter().map(|(_, loss)| loss).sum()
     }
 
     /// What is known of the errors of the values.

@@ -18,7 +18,7 @@ use rayon::prelude::*;
 use std::collections::BTreeMap;
 
 /// Pixels that are looked at, and samples of them all in each half, search by search. Rather few pixels that are known well than many that are not:
-/// noise makes the valley shallow.
+/// noise makes the valley shallow. But its floor is ragged by what few pixels show: where it is not clear, there are more of them.
 const PIXELS: usize = 200;
 const SAMPLES: [u32; 3] = [1200, 1600, 3200];
 /// About how many of them there are in a block.
@@ -30,8 +30,9 @@ const FIRST: f64 = 0.1;
 const NEARER: f64 = 4.0;
 /// How many indices on either side of the best tell where between them it is.
 const BESIDE: usize = 3;
-/// Where two lines explain less than this part of the misfits' variance, what is seen is noise: then as many times as many samples are taken, and at
-/// most so many times.
+/// Where two lines explain less than this part of the misfits' variance, what is seen is noise: then as many times as many pixels are looked at, with as
+/// many samples of each, and at most so many times. (With more samples of the same, an index of 1.83, seen through thin legs, was as likely anywhere
+/// from 1.78 to 1.86, and came out as 1.786 ± .002.)
 const CLEAR: f64 = 0.6;
 const MORE: u32 = 4;
 const MOST_MORE: u32 = 16;
@@ -62,7 +63,6 @@ impl Search<'_> {
         let (slot, (low, high)) = (slot(&self.sought.unknown), self.range);
         let mut best = self.sought.unknown.start();
         let (mut from, mut to, mut step) = (low, high, FIRST);
-        let places = some(sheet, PIXELS);
         let mut searches = SAMPLES.into_iter().peekable();
         let (mut shifts, mut more, mut known) = (0, 1, self.range);
         while let Some(samples) = searches.peek().map(|samples| samples * more) {
@@ -71,6 +71,7 @@ impl Search<'_> {
             let indices: Vec<f64> = (0..=count).map(|i| from + (to - from) * i as f64 / count.max(1) as f64).collect();
             // What is left to chance is the same for all.
             let seed = seeds.next();
+            let places = some(sheet, PIXELS * more as usize);
             let at = |&index: &f64| self.at(index, &best, sheet, &places, samples, seed);
             let found = indices.par_iter().with_max_len(1).map(at).collect::<Result<Vec<Point>>>()?;
             let misfits: Vec<f64> = found.iter().map(|point| point.chi2).collect();

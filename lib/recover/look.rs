@@ -296,7 +296,7 @@ impl Look<'_> {
         let wished: Vec<f64> =
             self.parameters.iter().zip(&values).enumerate().map(|(i, (p, value))| self.effort.near(i, p, *value)).collect();
         let (influence, clarity) = (influence(&now, &variances, &wished), now.clarity());
-        let losses = now.losses(&sheet.relative);
+        let losses = now.losses();
         // What moved as far as the model can be trusted would have moved on.
         let ways: Vec<f64> = values.iter().zip(near).map(|(value, near)| value - near).collect();
         let ahead = model.trusted(&values.iter().zip(&ways).map(|(value, way)| value + way).collect::<Vec<_>>());

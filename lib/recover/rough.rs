@@ -116,6 +116,12 @@ impl<'a> Stage<'a> {
         }
     }
 
+    /// A stage of one that is polished.
+    fn polished(sought: &Sought<'a>) -> Self {
+        let Sought { evidence, unknown, material, kind, .. } = *sought;
+        Self::new(evidence, unknown, material, kind, [(); 2].map(|()| REFLECTANCES.to_vec()), vec![])
+    }
+
     /// A stage whose nodes lie around these values.
     fn near(sought: &Sought<'a>, values: &[f64]) -> Self {
         let Sought { evidence, unknown, material, kind, .. } = *sought;
@@ -271,21 +277,26 @@ pub struct Sought<'a> {
     pub pixels: &'a [usize],
 }
 
+impl Sought<'_> {
+    /// What one look finds near some values.
+    fn look(&self, stage: &mut Stage, effort: &Effort, near: &[f64], seeds: &mut Seeds) -> Recovery {
+        let Self { evidence, unknown, pixels, .. } = *self;
+        let bounds = unknown.bounds();
+        let look = Look { evidence, pixels, parameters: unknown.parameters(), bounds: &bounds, effort, another: &|| false };
+        look.at(stage, near, seeds).found
+    }
+
+    /// What all pixels say at a glance of values near some.
+    pub fn glance(&self, effort: Effort, near: &[f64]) -> Recovery {
+        let mut stage = if self.kind.polished { Stage::polished(self) } else { Stage::near(self, near) };
+        let effort = Effort { quick: true, told: &|_| {}, ..effort };
+        self.look(&mut stage, &effort, near, &mut Seeds::new(effort.seed))
+    }
+}
+
 /// Recovers the numbers of one that is polished, near some.
 pub fn polished(sought: &Sought, effort: Effort, near: &[f64]) -> Recovery {
-    let Sought { evidence, unknown, material, kind, pixels } = *sought;
-    let grid = [(); 2].map(|()| REFLECTANCES.to_vec());
-    let mut stage = Stage::new(evidence, unknown, material, Kind { polished: true, ..kind }, grid, vec![]);
-    let bounds = unknown.bounds();
-    let mut seeds = Seeds::new(effort.seed);
-    let mut look = |effort: &Effort, near: &[f64]| {
-        let look = Look { evidence, pixels, parameters: unknown.parameters(), bounds: &bounds, effort, another: &|| false };
-        look.at(&mut stage, near, &mut seeds).found
-    };
-    // Light that meets it more often than products tell is that of the values it is looked at with, which those of a lobe are not: of a ball that light
-    // goes through, colours came out .3 to .8 % too bright.
-    let nearer = look(&Effort { quick: true, told: &|_| {}, ..effort }, near).values;
-    look(&effort, &nearer)
+    sought.look(&mut Stage::polished(sought), &effort, near, &mut Seeds::new(effort.seed))
 }
 
 /// Recovers the numbers; no further than to a look that finds what is `enough`.
@@ -316,7 +327,7 @@ pub fn recover(sought: &Sought, effort: Effort, enough: &dyn Fn(&Recovery) -> bo
             let gram = Gram::new(&stage.trace_all(sheet.numbers, FIRST_SAMPLES, seeds.next()), &sheet.target, &sheet.relative);
             let found = search(&Problem { gram: &gram, coefficients: &|v| stage.coefficients(v), bounds: &bounds }, &stage, effort.seed)?;
             match unknown.parameters().iter().position(|p| p.name == "tspec") {
-                Some(slot) if !effort.late() => through(&Sought { pixels: sheet.numbers, ..*sought }, effort, slot, found, &mut seeds),
+                Some(slot) if !effort.late() => through(&Sought { pixels: sheet.numbers, ..*sought }, effort, slot, found),
                 _ => found,
             }
         }
@@ -356,17 +367,12 @@ pub fn recover(sought: &Sought, effort: Effort, enough: &dyn Fn(&Recovery) -> bo
 
 /// The better of what a look finds from some values, and from others with much more, or less, of the light that goes through at parameter `slot` seen
 /// sharply. Along sharp lobes through a body it is so noisy where all roughnesses are looked at that none of it seems to fit best.
-fn through(sought: &Sought, effort: Effort, slot: usize, values: Vec<f64>, seeds: &mut Seeds) -> Vec<f64> {
-    let Sought { evidence, unknown, pixels, .. } = *sought;
-    let bounds = unknown.bounds();
-    let effort = Effort { quick: true, told: &|_| {}, ..effort };
-    let look = Look { evidence, pixels, parameters: unknown.parameters(), bounds: &bounds, effort: &effort, another: &|| false };
-    let (low, high) = bounds[slot];
+fn through(sought: &Sought, effort: Effort, slot: usize, values: Vec<f64>) -> Vec<f64> {
+    let (low, high) = sought.unknown.bounds()[slot];
     let mut other = values.clone();
     other[slot] = if values[slot] < 0.5 * (low + high) { 0.25 * low + 0.75 * high } else { 0.75 * low + 0.25 * high };
-    let [one, two] = [values, other].map(|values| look.at(&mut Stage::near(sought, &values), &values, seeds).found);
-    let loss = |found: &Recovery| found.losses.iter().sum::<f64>();
-    if loss(&two) < loss(&one) { two.values } else { one.values }
+    let [one, two] = [values, other].map(|values| sought.glance(effort, &values));
+    if two.loss() < one.loss() { two.values } else { one.values }
 }
 
 /// The deepest valley: annealing inside the bounds, and descents from every roughness in case it was not found.

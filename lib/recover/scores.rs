@@ -7,6 +7,7 @@ use crate::anneal::anywhere;
 use crate::anneal::linear::Symmetric;
 use crate::transport::{Basis, Mixture};
 use rayon::prelude::*;
+use std::collections::HashMap;
 
 /// The pictures that each set of a basis makes of some coefficients, for each of them. A pixel is read once for all.
 pub fn pictures(basis: &Basis, coefficients: &[[Vec<f64>; 3]]) -> Vec<Vec<Half>> {
@@ -241,9 +242,11 @@ impl<'a> Scores<'a> {
         (0..self.pixels()).map(|p| self.sheet.weight(p) * (0..3).map(|c| self.cross(&self.here, p, c)).sum::<f64>()).sum()
     }
 
-    /// How far each pixel is off, with fixed weights, without what the noise of the rendering adds to it.
-    pub fn losses(&self, weights: &Channels) -> Vec<f64> {
-        (0..weights.len()).map(|p| (0..3).map(|c| weights[p][c] as f64 * self.cross(&self.here, p, c)).sum()).collect()
+    /// The number of each pixel and how far it is off, with fixed weights, without what the noise of the rendering adds to it.
+    pub fn losses(&self) -> Vec<(usize, f64)> {
+        let weights = &self.sheet.relative;
+        let loss = |p: usize| (0..3).map(|c| weights[p][c] as f64 * self.cross(&self.here, p, c)).sum();
+        self.sheet.numbers.iter().enumerate().map(|(p, n)| (*n, loss(p))).collect()
     }
 }
 
@@ -302,8 +305,16 @@ const PERHAPS: f64 = 2.25;
 /// their squares is twice their product then.
 const AGREED: f64 = 2.0 / 3.0;
 
+/// By how many standard errors pixels, by their numbers, are farther off in one row than in another, as far as they are in both. None counts for more
+/// than one that is off by as much as it is bright.
+pub fn farther_off(here: &[(usize, f64)], there: &[(usize, f64)]) -> f64 {
+    let there: HashMap<usize, f64> = there.iter().copied().collect();
+    let off = |loss: f64| loss.clamp(-1.0, 1.0);
+    in_standard_errors(here.iter().filter_map(|(n, loss)| Some(off(*loss) - off(*there.get(n)?))))
+}
+
 /// The sum of independent differences in terms of its standard error, if their mean is next to nothing.
-pub fn in_standard_errors(differences: impl Iterator<Item = f64>) -> f64 {
+fn in_standard_errors(differences: impl Iterator<Item = f64>) -> f64 {
     let (sum, squares) = differences.fold((0.0, 0.0), |(sum, squares), d| (sum + d, squares + d * d));
     sum / f64::sqrt(squares).max(f64::MIN_POSITIVE)
 }
@@ -383,5 +394,13 @@ mod tests {
         let [all, part] = reached(&inverse, &slopes)[..] else { panic!() };
         assert!((all - 1.0).abs() < 1e-12 && (part - (1.0 - 0.99f64.powi(24))).abs() < 1e-12, "{all} {part}");
         assert_eq!(reached(&[vec![0.0]], &[vec![4.0]]), [LEAST_REACHED]);
+    }
+
+    #[test]
+    fn pixels_are_compared_with_themselves() {
+        let here = [(7, 0.4), (2, 0.1), (5, 30.0)];
+        assert_eq!(farther_off(&here, &[(5, 2.0), (2, 0.1), (9, 0.0), (7, 0.4)]), 0.0);
+        assert!((farther_off(&here, &[(1, 0.0), (7, 0.1), (2, -0.2)]) - 2f64.sqrt()).abs() < 1e-12);
+        assert_eq!(farther_off(&here, &[(1, 0.0)]), 0.0);
     }
 }

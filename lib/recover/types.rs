@@ -156,7 +156,7 @@ fn kept(pixels: &[usize], width: usize, about: usize) -> Vec<usize> {
 /// # Panics
 /// Without any trial.
 pub fn choose(trials: &[Trial], sample: &Sample) -> Verdict {
-    let loss = |t: &Trial| t.recovery.losses.iter().sum::<f64>();
+    let loss = |t: &Trial| t.recovery.loss();
     let best = (0..trials.len()).min_by(|&a, &b| loss(&trials[a]).total_cmp(&loss(&trials[b]))).expect("there is a trial");
     let distance = |i: usize, from: usize| if i == from { 0.0 } else { vuong(&trials[i], &trials[from], &sample.blocks) };
     let open: Vec<usize> = (0..trials.len()).filter(|&i| distance(i, best) < EXCLUDED || trials[i].same(&trials[best])).collect();
@@ -195,7 +195,7 @@ pub fn choose(trials: &[Trial], sample: &Sample) -> Verdict {
 /// the misfits is what each finds it to be, block by block, or a few glints would decide.
 fn vuong(a: &Trial, b: &Trial, blocks: &[usize]) -> f64 {
     let mut sums = BTreeMap::<usize, [f64; 3]>::new();
-    for ((a, b), block) in a.recovery.losses.iter().zip(&b.recovery.losses).zip(blocks) {
+    for (((_, a), (_, b)), block) in a.recovery.losses.iter().zip(&b.recovery.losses).zip(blocks) {
         let sum = sums.entry(*block).or_default();
         [*a, *b, 1.0].iter().zip(sum).for_each(|(term, sum)| *sum += term);
     }
@@ -258,7 +258,7 @@ mod tests {
         let unknown = Unknown::new(document, &Wishes::default()).unwrap();
         let values = unknown.start();
         let covariance = Symmetric::diagonal(&vec![1e-6; values.len()]);
-        let losses = (0..64).map(|p| loss * (1.0 + 0.5 * (p as f64 * 2.4 + phase).sin())).collect();
+        let losses = (0..64).map(|p| (p, loss * (1.0 + 0.5 * (p as f64 * 2.4 + phase).sin()))).collect();
         Trial::new(
             &unknown,
             Recovery {
