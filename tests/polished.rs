@@ -58,14 +58,14 @@ fn polished_metal_is_found_under_a_pattern() {
 }
 
 /// What is mirrored has sharp edges, which a picture of few samples shows roughly: the pixels that tell most of a roughness are those that are worst.
-/// By these alone it was a lobe of .0027 ± .0012, with a red of .721 ± .003.
+/// By these alone it was a lobe of .0041 ± .0014, with a blue of .413 ± .002.
 #[test]
 fn a_mirror_of_sharp_edges_is_no_narrow_lobe() {
     let scene = "void brightfunc spots 2 if(sin(31*Dx)*sin(29*Dz+3*Dy)-.5,8,.3) . 0 0\nspots glow sky 0 0 4 1 1.1 1.2 0\n\
                  sky source sky 0 0 4 0 0 1 360\nit sphere s 0 0 4 0 0 0 1\n";
     for rough in [0.0, 0.005] {
         let material = format!("metal it 0 0 5 .7 .8 .4 .6 {rough}");
-        let directory = photographed(&material, scene, "-ab 1 -x 80 -y 80 --spp 9 --seed 72 -o target.exr");
+        let directory = photographed(&material, scene, "-ab 1 -x 80 -y 80 --spp 9 --seed 75 -o target.exr");
         let out = recovered(directory.path(), "--seed 1 -ab 1 --scene scene.rad --target target.exr start.rad");
         for (name, truth) in [("red", 0.7), ("green", 0.8), ("blue", 0.4), ("spec", 0.6), ("rough", rough)] {
             let (value, error) = said(&out, name);
