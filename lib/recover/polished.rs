@@ -60,7 +60,7 @@ pub fn recover(sought: &Sought, effort: Effort, tell: &dyn Fn(&str)) -> Result<R
         let told = |found: &Recovery| (effort.told)(&whole(found.clone()));
         // Light that meets it more often than products tell is that of the values it is looked at with, which those of a lobe are not: of a ball that
         // light goes through, colours came out .3 to .8 % too bright.
-        return Ok(whole(rough::polished(&mirror, Effort { told: &told, ..effort }, &seen.values)));
+        return Ok(whole(mirror.look(Effort { told: &told, ..effort }, &seen.values)));
     }
     if !likely {
         return Ok(found);

@@ -279,24 +279,18 @@ pub struct Sought<'a> {
 
 impl Sought<'_> {
     /// What one look finds near some values.
-    fn look(&self, stage: &mut Stage, effort: &Effort, near: &[f64], seeds: &mut Seeds) -> Recovery {
+    pub fn look(&self, effort: Effort, near: &[f64]) -> Recovery {
         let Self { evidence, unknown, pixels, .. } = *self;
+        let mut stage = if self.kind.polished { Stage::polished(self) } else { Stage::near(self, near) };
         let bounds = unknown.bounds();
-        let look = Look { evidence, pixels, parameters: unknown.parameters(), bounds: &bounds, effort, another: &|| false };
-        look.at(stage, near, seeds).found
+        let look = Look { evidence, pixels, parameters: unknown.parameters(), bounds: &bounds, effort: &effort, another: &|| false };
+        look.at(&mut stage, near, &mut Seeds::new(effort.seed)).found
     }
 
     /// What all pixels say at a glance of values near some.
     pub fn glance(&self, effort: Effort, near: &[f64]) -> Recovery {
-        let mut stage = if self.kind.polished { Stage::polished(self) } else { Stage::near(self, near) };
-        let effort = Effort { quick: true, told: &|_| {}, ..effort };
-        self.look(&mut stage, &effort, near, &mut Seeds::new(effort.seed))
+        self.look(Effort { quick: true, told: &|_| {}, ..effort }, near)
     }
-}
-
-/// Recovers the numbers of one that is polished, near some.
-pub fn polished(sought: &Sought, effort: Effort, near: &[f64]) -> Recovery {
-    sought.look(&mut Stage::polished(sought), &effort, near, &mut Seeds::new(effort.seed))
 }
 
 /// Recovers the numbers; no further than to a look that finds what is `enough`.
