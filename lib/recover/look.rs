@@ -194,7 +194,11 @@ impl Look<'_> {
                 let moved = self.blurred(self.moved(moved, drift, model), &sheet, model, &basis);
                 let looked = Looked { aside: aside(&found, &moved), found: moved };
                 let passes = self.effort.quick || strayed && (self.another)();
-                return if passes { looked } else { self.averaged(looked, &sheet, model, &basis) };
+                if passes {
+                    return looked;
+                }
+                let Looked { found: last, aside } = self.averaged(looked, &sheet, model, &basis);
+                return Looked { found: if last.values == found.values { last } else { self.again(last, &sheet, model, &basis) }, aside };
             };
             best.clone_from(&found.values);
             model.tune(&best, Some(&found.errors()));
@@ -307,12 +311,19 @@ impl Look<'_> {
         if let Some(variance) = self.evidence.film.filter.beyond() {
             now.covariance = now.spread(variance);
         }
-        let (common, misfit) = (now.common(), misfit(sheet, &now.weights.halves, &now.here.halves));
+        let (common, misfit) = (now.common(), misfit(sheet, basis, &now.here.halves));
         let (held, withheld) = (now.weights.kept.iter().any(|kept| *kept < 1.0), now.withheld());
-        let (chi2, pixels) = (now.chi2(), sheet.numbers.len());
+        let (chi2, pixels) = (sheet.chi2(&now.here.halves), sheet.numbers.len());
         let found =
             Recovery { values, covariance: now.covariance, own: now.own, common, misfit, blur: None, chi2, pixels, losses, clarity };
         Fit { found, influence, held, withheld }
+    }
+
+    /// What was found, with how far the pixels are off, and how they are blurred, where its values were moved to since.
+    fn again(&self, found: Recovery, sheet: &Sheet, model: &dyn Model, basis: &Basis) -> Recovery {
+        let halves = pictures(basis, &[model.coefficients(&found.values)]).swap_remove(0);
+        let again = Recovery { chi2: sheet.chi2(&halves), misfit: misfit(sheet, basis, &halves), ..found };
+        if self.evidence.blurred { again } else { self.blurred(again, sheet, model, basis) }
     }
 
     /// What was found, moved on if there is a way to go.

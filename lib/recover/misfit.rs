@@ -3,7 +3,8 @@
 //! Noise differs from pixel to pixel. What whole areas are off by, the model does not explain: the light, the shape or the type of the
 //! material are not those of the photograph, and standard errors, which go by the noise, do not count it.
 
-use super::sheet::{Channels, Half, Sheet, weight};
+use super::sheet::{COMMON, Half, Sheet};
+use crate::transport::Basis;
 use std::collections::BTreeMap;
 
 /// The side of an area, in pixels.
@@ -13,7 +14,7 @@ const LEAST: usize = 4;
 /// What is left counts beyond so many standard errors of its square.
 const SURE: f64 = 4.0;
 
-/// One colour of the chessboard in an area and channel.
+/// One colour of the chessboard in an area and channel, as one half has it.
 #[derive(Clone, Copy, Default)]
 struct Field {
     pixels: usize,
@@ -26,26 +27,50 @@ struct Field {
 /// By how much of their light whole areas are off, on the average; 0 where noise may be all of it.
 ///
 /// White and black fields of an area share no pixel, so no noise: the mean product of what is left of either is the square of what they
-/// have in common, whatever the noise.
-pub fn misfit(sheet: &Sheet, weights: &[Channels; 2], halves: &[Half]) -> f64 {
-    let mut areas: BTreeMap<(usize, usize), [[Field; 2]; 3]> = BTreeMap::new();
+/// have in common, whatever the noise. But both may have been weighed by the same noise, by which what is too dark by chance counts for more: what
+/// one half of the samples leaves is weighed by how the other's differ.
+pub fn misfit(sheet: &Sheet, basis: &Basis, halves: &[Half]) -> f64 {
+    let weights = [1, 0].map(|other| by_noise(sheet, basis, other));
+    let mut areas: BTreeMap<(usize, usize), [[[Field; 2]; 2]; 3]> = BTreeMap::new();
     for (p, &number) in sheet.numbers.iter().enumerate() {
         let (x, y) = sheet.place(number);
         let area = areas.entry((x / AREA, y / AREA)).or_default();
-        for (c, fields) in area.iter_mut().enumerate() {
-            let (field, w, value) = (&mut fields[(x + y) % 2], weight(weights, p, c), 0.5 * (halves[0][p][c] + halves[1][p][c]));
-            field.pixels += 1;
-            field.weight += w;
-            field.rest += w * (sheet.target[p][c] as f64 - value);
-            field.value += w * value;
+        for (c, each) in area.iter_mut().enumerate() {
+            for (half, fields) in each.iter_mut().enumerate() {
+                let (field, w, value) = (&mut fields[(x + y) % 2], weights[half][p][c], halves[half][p][c]);
+                field.pixels += 1;
+                field.weight += w;
+                field.rest += w * (sheet.target[p][c] as f64 - value);
+                field.value += w * value;
+            }
         }
     }
     let (mut common, mut squares, mut light) = (0.0, 0.0, 0.0);
-    for [a, b] in areas.values().flatten().filter(|fields| fields.iter().all(|f| f.pixels >= LEAST && f.weight > 0.0)) {
-        let counts = (a.weight + b.weight) / (a.weight * b.weight);
-        common += counts * a.rest * b.rest;
-        squares += (counts * a.rest * b.rest).powi(2);
-        light += counts * a.value * b.value;
+    let says = |fields: &[Field; 2]| fields.iter().all(|f| f.pixels >= LEAST && f.weight > 0.0);
+    for each in areas.values().flatten().filter(|each| each.iter().all(says)) {
+        let sum = |of: &dyn Fn(&Field) -> f64| -> f64 {
+            each.iter().map(|[a, b]| (a.weight + b.weight) / (a.weight * b.weight) * of(a) * of(b)).sum()
+        };
+        let rest = sum(&|field| field.rest);
+        common += rest;
+        squares += rest * rest;
+        light += sum(&|field| field.value);
     }
     if common > SURE * squares.sqrt() && light > 0.0 { (common / light).sqrt() } else { 0.0 }
+}
+
+/// Weights that go by the noise of one half, in each pixel and those beside it, and by what the target's file may round all pixels of an area by.
+fn by_noise(sheet: &Sheet, basis: &Basis, half: usize) -> Vec<[f64; 3]> {
+    let noise = |p: usize| {
+        let (variances, samples) = (basis.variances[2 * p + half], basis.samples[2 * p + half] as f64);
+        std::array::from_fn(|c| variances[c] as f64 / samples + sheet.step(p, c).powi(2))
+    };
+    let noise: Vec<[f64; 3]> = (0..sheet.numbers.len()).map(noise).collect();
+    let weigh = |(relative, noise): (&[f32; 3], [f64; 3])| {
+        std::array::from_fn(|c| {
+            let relative = relative[c] as f64;
+            relative / (COMMON * COMMON + relative * noise[c])
+        })
+    };
+    sheet.relative.iter().zip(sheet.blurred(&noise, 1)).map(weigh).collect()
 }

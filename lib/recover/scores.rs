@@ -125,7 +125,7 @@ impl<'a> Scores<'a> {
 
     /// The product of what both halves are off by at a place, which the noise of the rendering adds nothing to on the average.
     fn cross(&self, at: &Evaluation, p: usize, c: usize) -> f64 {
-        at.halves.iter().map(|half| self.sheet.target[p][c] as f64 - half[p][c]).product()
+        self.sheet.cross(&at.halves, p, c)
     }
 
     /// By how many standard errors the pixels are farther off at another place, by the weights that they have at this one.
@@ -237,11 +237,6 @@ impl<'a> Scores<'a> {
         length(&way, &self.covariance.deviations())
     }
 
-    /// χ² of equation 11, without what the noise of the rendering adds to it.
-    pub fn chi2(&self) -> f64 {
-        (0..self.pixels()).map(|p| self.sheet.weight(p) * (0..3).map(|c| self.cross(&self.here, p, c)).sum::<f64>()).sum()
-    }
-
     /// The number of each pixel and how far it is off, with fixed weights, without what the noise of the rendering adds to it.
     pub fn losses(&self) -> Vec<(usize, f64)> {
         let weights = &self.sheet.relative;
@@ -261,15 +256,16 @@ fn agreement(weights: &[Channels; 2], p: usize, of: impl Fn(usize, usize) -> f64
     [common, whole]
 }
 
-/// How far the derivatives of two halves agree around each pixel: 0 where they are noise, 1 where they are the same.
+/// How far the derivatives of two halves agree around each pixel: 0 where they are noise, 1 where they are the same. Not in those beside it, as the
+/// derivative by a blur ([`Look::blurred`](super::look::Look)) there holds the pixel itself, and the trust in it must not go by what it found.
 fn trust(sheet: &Sheet, weights: &[Channels; 2], derivative: &[Half]) -> Vec<f64> {
     let sums = |p: usize| {
         let [common, whole] = agreement(weights, p, |half, c| derivative[half][p][c]);
         [common, whole, 0.0]
     };
     let values: Vec<[f64; 3]> = (0..weights[0].len()).map(sums).collect();
-    let around = sheet.around(&values, 2);
-    around.iter().map(|[common, whole, _]| if *whole > 0.0 { (common / whole).clamp(0.0, 1.0) } else { 0.0 }).collect()
+    let apart = sheet.apart(&values, 2);
+    apart.iter().map(|[common, whole, _]| if *whole > 0.0 { (common / whole).clamp(0.0, 1.0) } else { 0.0 }).collect()
 }
 
 /// How much the error of one sample of each pixel disturbs the values, each in terms of the error that is wished for, as its neighbours say: the

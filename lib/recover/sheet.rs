@@ -79,14 +79,34 @@ impl<'a> Sheet<'a> {
         self.evidence.mask.map_or(1.0, |mask| mask[self.numbers[i]] as f64)
     }
 
+    /// How far apart the values are that the target's file can hold there; 0 where it rounds none.
+    pub fn step(&self, i: usize, c: usize) -> f64 {
+        self.evidence.steps.map_or(0.0, |steps| steps[self.numbers[i]][c] as f64)
+    }
+
+    /// The product of what both halves are off by at a place, which the noise of the rendering adds nothing to on the average.
+    pub fn cross(&self, halves: &[Half], p: usize, c: usize) -> f64 {
+        halves.iter().map(|half| self.target[p][c] as f64 - half[p][c]).product()
+    }
+
+    /// χ² of equation 11, without what the noise of the rendering adds to it.
+    pub fn chi2(&self, halves: &[Half]) -> f64 {
+        (0..self.numbers.len()).map(|p| self.weight(p) * (0..3).map(|c| self.cross(halves, p, c)).sum::<f64>()).sum()
+    }
+
     /// For each pixel, the mean of `values` over the pixels at most `reach` away that count.
     pub fn blurred(&self, values: &[[f64; 3]], reach: isize) -> Vec<[f64; 3]> {
-        self.mean(values, reach, true)
+        self.mean(values, reach, |_, _| true)
     }
 
     /// The same without the pixel itself, unless it is alone.
     pub fn around(&self, values: &[[f64; 3]], reach: isize) -> Vec<[f64; 3]> {
-        self.mean(values, reach, false)
+        self.mean(values, reach, |u, v| (u, v) != (0, 0))
+    }
+
+    /// The same without those that share a side with it either.
+    pub fn apart(&self, values: &[[f64; 3]], reach: isize) -> Vec<[f64; 3]> {
+        self.mean(values, reach, |u, v| u.abs() + v.abs() > 1)
     }
 
     /// For each pixel, the sum of `values` over all that count, times the correlation of their noise with its own: exp(−d²/4`variance`).
@@ -111,9 +131,8 @@ impl<'a> Sheet<'a> {
         .collect()
     }
 
-    fn mean(&self, values: &[[f64; 3]], reach: isize, itself: bool) -> Vec<[f64; 3]> {
-        let share = |u: isize, v: isize| f64::from(itself || (u, v) != (0, 0));
-        let sums = self.sums(values, reach, share);
+    fn mean(&self, values: &[[f64; 3]], reach: isize, counts: impl Fn(isize, isize) -> bool + Sync + Send) -> Vec<[f64; 3]> {
+        let sums = self.sums(values, reach, |u, v| f64::from(counts(u, v)));
         sums.zip(values.par_iter()).map(|((sum, shares), own)| if shares > 0.0 { sum.map(|s| s / shares) } else { *own }).collect()
     }
 
@@ -211,9 +230,11 @@ impl<'a> Sheet<'a> {
     /// The values that the target's file rounds alike, where the noise of so many samples a pixel, which holds what rounding makes, does not make
     /// them err to both sides (Schuchman 1964, "Dither signals and their effect on quantization noise").
     fn rounded(&self, variances: &[Vec<[f64; 3]>; 2], photographed: f64) -> Arc<[Alike]> {
-        let Some(steps) = self.evidence.steps else { return Arc::new([]) };
+        if self.evidence.steps.is_none() {
+            return Arc::new([]);
+        }
         let deviation = |i: usize, c: usize| {
-            let step = steps[self.numbers[i]][c] as f64;
+            let step = self.step(i, c);
             let (square, noise) = (step * step / 12.0, 0.5 * (variances[0][i][c] + variances[1][i][c]) / photographed);
             let both_sides = -2.0 * (PI / step).powi(2) * (noise - square).max(0.0);
             if step > 0.0 { (square.sqrt() * both_sides.exp()) as f32 } else { 0.0 }
@@ -221,7 +242,7 @@ impl<'a> Sheet<'a> {
         let of_channel = |c: usize| {
             let mut values: Alike = (0..self.numbers.len()).map(|i| (i, c, deviation(i, c))).filter(|value| value.2 > 0.0).collect();
             // What is less than a step may be nothing, in all pixels.
-            let least = |i: usize| self.target[i][c] < steps[self.numbers[i]][c];
+            let least = |i: usize| f64::from(self.target[i][c]) < self.step(i, c);
             let key = |value: &(usize, usize, f32)| if least(value.0) { 0 } else { self.target[value.0][c].to_bits() };
             values.sort_by_key(key);
             let alike = values.chunk_by(|a, b| key(a) == key(b));
