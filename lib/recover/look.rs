@@ -296,6 +296,11 @@ impl Look<'_> {
                 break;
             }
         }
+        // Where few samples say little, all that may lead to a place that is far worse.
+        let before = Evaluation::new(model, basis, near, self.bounds);
+        if now.excess(&before) < -worse(basis) {
+            now = at(before, now.weights);
+        }
         let values = now.here.values.clone();
         let wished: Vec<f64> =
             self.parameters.iter().zip(&values).enumerate().map(|(i, (p, value))| self.effort.near(i, p, *value)).collect();
@@ -343,8 +348,7 @@ impl Look<'_> {
             let asked: Vec<f64> = here.iter().zip(&step).zip(self.bounds).map(|((v, s), b)| (v + part * s).clamp(b.0, b.1)).collect();
             Evaluation::new(model, basis, &model.trusted(&asked), self.bounds)
         };
-        let worse = WORSE.min(MOST_EXCESS * (basis.samples.len() as f64 / basis.sets as f64).sqrt());
-        let borne = (0..HALVINGS).map(|n| part(0.5f64.powi(n))).find(|place| now.excess(place) < worse)?;
+        let borne = (0..HALVINGS).map(|n| part(0.5f64.powi(n))).find(|place| now.excess(place) < worse(basis))?;
         let taken = now.length(&borne);
         Some((borne, taken))
     }
@@ -367,6 +371,11 @@ const SURER: f64 = 0.125;
 const WORSE: f64 = 5.0;
 const MOST_EXCESS: f64 = 0.3;
 const HALVINGS: i32 = 6;
+
+/// By how many standard errors the pixels of a basis are surely farther off.
+fn worse(basis: &Basis) -> f64 {
+    WORSE.min(MOST_EXCESS * (basis.samples.len() as f64 / basis.sets as f64).sqrt())
+}
 
 /// A step that is not worth another, in standard errors.
 const STEADY: f64 = 0.05;
