@@ -120,7 +120,8 @@ impl Look<'_> {
         let noise: Vec<f64> = candidates.iter().map(|c| c.squares(-1.0)).collect();
         let most = NOISY * noise[best];
         let excess = |from: usize| -> Vec<f64> {
-            let off = |(other, noise): (&Scores, &f64)| if *noise > most { f64::INFINITY } else { candidates[from].excess(&other.here) };
+            let off =
+                |(other, noise): (&Scores, &f64)| if *noise > most { f64::INFINITY } else { candidates[from].excess(&other.here.halves) };
             candidates.iter().zip(&noise).map(off).collect()
         };
         let mut off = excess(best);

@@ -297,9 +297,8 @@ impl Look<'_> {
             }
         }
         // Where few samples say little, all that may lead to a place that is far worse.
-        let before = Evaluation::new(model, basis, near, self.bounds);
-        if now.excess(&before) < -worse(basis) {
-            now = at(before, now.weights);
+        if now.excess(&halves) < -worse(basis) {
+            now = at(Evaluation::new(model, basis, near, self.bounds), now.weights);
         }
         let values = now.here.values.clone();
         let wished: Vec<f64> =
@@ -348,7 +347,7 @@ impl Look<'_> {
             let asked: Vec<f64> = here.iter().zip(&step).zip(self.bounds).map(|((v, s), b)| (v + part * s).clamp(b.0, b.1)).collect();
             Evaluation::new(model, basis, &model.trusted(&asked), self.bounds)
         };
-        let borne = (0..HALVINGS).map(|n| part(0.5f64.powi(n))).find(|place| now.excess(place) < worse(basis))?;
+        let borne = (0..HALVINGS).map(|n| part(0.5f64.powi(n))).find(|place| now.excess(&place.halves) < worse(basis))?;
         let taken = now.length(&borne);
         Some((borne, taken))
     }

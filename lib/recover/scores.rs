@@ -123,14 +123,10 @@ impl<'a> Scores<'a> {
         self.sheet.target[p][c] as f64 - self.here.halves[half][p][c]
     }
 
-    /// The product of what both halves are off by at a place, which the noise of the rendering adds nothing to on the average.
-    fn cross(&self, at: &Evaluation, p: usize, c: usize) -> f64 {
-        self.sheet.cross(&at.halves, p, c)
-    }
-
-    /// By how many standard errors the pixels are farther off at another place, by the weights that they have at this one.
-    pub fn excess(&self, other: &Evaluation) -> f64 {
-        let more = |p: usize, c: usize| weight(&self.weights.halves, p, c) * (self.cross(other, p, c) - self.cross(&self.here, p, c));
+    /// By how many standard errors the pixels are farther off in the pictures of another place, by the weights that they have at this one.
+    pub fn excess(&self, other: &[Half]) -> f64 {
+        let cross = |halves, p, c| self.sheet.cross(halves, p, c);
+        let more = |p: usize, c: usize| weight(&self.weights.halves, p, c) * (cross(other, p, c) - cross(&self.here.halves, p, c));
         in_standard_errors((0..self.pixels()).map(|p| (0..3).map(|c| more(p, c)).sum()))
     }
 
@@ -240,7 +236,7 @@ impl<'a> Scores<'a> {
     /// The number of each pixel and how far it is off, with fixed weights, without what the noise of the rendering adds to it.
     pub fn losses(&self) -> Vec<(usize, f64)> {
         let weights = &self.sheet.relative;
-        let loss = |p: usize| (0..3).map(|c| weights[p][c] as f64 * self.cross(&self.here, p, c)).sum();
+        let loss = |p: usize| (0..3).map(|c| weights[p][c] as f64 * self.sheet.cross(&self.here.halves, p, c)).sum();
         self.sheet.numbers.iter().enumerate().map(|(p, n)| (*n, loss(p))).collect()
     }
 }
