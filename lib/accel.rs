@@ -12,6 +12,7 @@ mod collapse;
 mod exact;
 mod probe;
 mod search;
+mod store;
 mod tree;
 
 use crate::geometry::{Bounds, LEVELS, Mesh, Ray, Shape};
@@ -22,6 +23,7 @@ use probe::Probe;
 use search::Search;
 use std::cell::Cell;
 use std::sync::Arc;
+use store::Stored;
 use tree::{LEAF, SINGLE, Space, Tree};
 
 /// What a tree is built over.
@@ -64,7 +66,7 @@ impl From<Geometry> for Surface {
 /// Surfaces made ready for rays. Numbers of surfaces are places in the list it was built from.
 #[derive(Clone, Debug)]
 pub struct Accel {
-    tree: Tree,
+    tree: Stored,
     space: Space,
     surfaces: Vec<Body>,
     ranks: Vec<Vec<Rank>>,
@@ -142,7 +144,7 @@ impl Accel {
                     Search::new(self, ray, range, single)
                 });
             }
-            let together = bundle::run(&self.tree, &mut searches);
+            let together = bundle::run(self.tree(), &mut searches);
             let hits = searches[..count].iter().map(|search| search.as_ref().and_then(Search::finish));
             hits.enumerate().for_each(|(n, hit)| found(first + n, hit));
             if together {
@@ -159,15 +161,17 @@ impl Accel {
     pub fn occluded(&self, ray: &Ray, t_min: f64, t_max: f64) -> bool {
         let Some(probe) = Probe::new(&self.space, ray, t_min, t_max) else { return false };
         let mut found = false;
-        self.tree.walk::<false>(&probe, probe.limit, |leaf, limit| {
+        self.tree().walk::<false>(&probe, probe.limit, |leaf, limit| {
             found = if leaf & SINGLE != 0 {
                 self.body(leaf).1.occludes(ray, t_min, t_max)
             } else {
                 let number = leaf & !LEAF;
-                let lanes = probe.test(&self.tree.blocks[number as usize], limit);
+                let lanes = probe.test(&self.tree().blocks[number as usize], limit);
                 (0..8).filter(|lane| lanes.mask >> lane & 1 == 1).any(|lane| {
                     let (t, blur) = (lanes.t[lane], lanes.blur[lane]);
-                    probe.within(t, blur).unwrap_or_else(|| self.tree.within(&probe, number << 3 | lane as u32, [t, blur], [t_min, t_max]))
+                    probe
+                        .within(t, blur)
+                        .unwrap_or_else(|| self.tree().within(&probe, number << 3 | lane as u32, [t, blur], [t_min, t_max]))
                 })
             };
             if found { -1.0 } else { limit }
@@ -178,19 +182,19 @@ impl Accel {
     /// Every hit at a distance between `t_min` and `t_max` (both excluded), in no particular order, with the rank it has among coincident ones.
     pub fn each(&self, ray: &Ray, t_min: f64, t_max: f64, visit: &mut dyn FnMut(Hit, Rank)) {
         let Some(probe) = Probe::new(&self.space, ray, t_min, t_max) else { return };
-        self.tree.walk::<false>(&probe, probe.limit, |leaf, limit| {
+        self.tree().walk::<false>(&probe, probe.limit, |leaf, limit| {
             if leaf & SINGLE != 0 {
                 let (surface, body) = self.body(leaf);
                 body.each(ray, t_min, t_max, surface, &self.ranks[surface as usize], visit);
                 return limit;
             }
             let number = leaf & !LEAF;
-            let lanes = probe.test(&self.tree.blocks[number as usize], limit);
+            let lanes = probe.test(&self.tree().blocks[number as usize], limit);
             for lane in (0..8).filter(|lane| lanes.mask >> lane & 1 == 1) {
                 let slot = number << 3 | lane as u32;
-                let detail = &self.tree.details[self.tree.place(slot)];
+                let detail = &self.tree().details[self.tree().place(slot)];
                 let Body::Mesh(placed) = &self.surfaces[detail.surface as usize] else { continue };
-                let hit = self.tree.meet(&probe, slot, lanes.t[lane], lanes.blur[lane]).hit(&probe, detail, placed.mirrored);
+                let hit = self.tree().meet(&probe, slot, lanes.t[lane], lanes.blur[lane]).hit(&probe, detail, placed.mirrored);
                 if hit.t > t_min && hit.t < t_max {
                     visit(hit, placed.rank(&self.ranks[detail.surface as usize], detail.triangle));
                 }
@@ -204,9 +208,14 @@ impl Accel {
         self.space.bounds
     }
 
+    #[inline(always)]
+    fn tree(&self) -> &Tree<'_> {
+        self.tree.get()
+    }
+
     /// How much memory the tree takes, without the meshes it was built from and without other trees in it.
     pub fn bytes(&self) -> usize {
-        self.tree.bytes()
+        self.tree().bytes()
     }
 
     /// The nearest hit where several are near each other: all decisions in double precision.
@@ -226,7 +235,7 @@ impl Accel {
 
     /// The shape or instance in a leaf of its own.
     fn body(&self, leaf: u32) -> (u32, &Body) {
-        let surface = self.tree.details[(leaf & (SINGLE - 1)) as usize].surface;
+        let surface = self.tree().details[(leaf & (SINGLE - 1)) as usize].surface;
         (surface, &self.surfaces[surface as usize])
     }
 }

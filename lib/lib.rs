@@ -39,7 +39,7 @@
 //! | [`check`] | all that is wrong with a scene, in one go | |
 //! | [`bsdf`] | what a material does at a point: value, sample, density | |
 //! | [`light`] | what lights a point directly | |
-//! | [`accel`] | which surface a ray meets first: an eight-wide hierarchy | obvhs, rayon, wide |
+//! | [`accel`] | which surface a ray meets first: an eight-wide hierarchy | bytemuck, memmap2, obvhs, rayon, wide, yoke |
 //! | [`world`] | Scene to World: ready for rays, specialised to what the scene contains | |
 //! | [`integrator`] | the radiance along one ray | |
 //! | [`render`] | all pixels: seeds, threads, sample budget, error estimate | rayon |

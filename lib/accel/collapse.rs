@@ -5,7 +5,8 @@
 
 use super::binary::{Binary, half_area};
 use super::exact::Detail;
-use super::tree::{Block, LEAF, Node, SINGLE, Tree};
+use super::store::{Stored, store};
+use super::tree::{Block, LEAF, Node, SINGLE};
 use crate::vector::Vec3;
 use rayon::prelude::*;
 use std::f64::consts::SQRT_2;
@@ -40,16 +41,12 @@ struct Plan {
 
 /// The wide tree of `binary`, over primitives that are a surface, or a triangle of one. `corners` gives a triangle's, in the tree's
 /// coordinates; `None` for what is no triangle.
-pub(super) fn collapse(binary: &Binary, primitives: &[(u32, u32)], corners: impl Fn(u32) -> Option<[Vec3; 3]> + Sync) -> Tree {
+pub(super) fn collapse(binary: &Binary, primitives: &[(u32, u32)], corners: impl Fn(u32) -> Option<[Vec3; 3]> + Sync) -> Stored {
     let detail = |&primitive: &u32| {
         let (surface, triangle) = primitives[primitive as usize];
         let residue = corners(primitive).map_or([[0.0; 3]; 3], |c| c.map(|p| p.to_array().map(|x| (x - f64::from(x as f32)) as f32)));
         Detail { surface, triangle, residue }
     };
-    let details = binary.order.par_iter().with_min_len(4096).map(detail).collect();
-    if binary.order.is_empty() {
-        return Tree { nodes: Vec::new(), blocks: Vec::new(), details, root: None };
-    }
     let is_triangle = |primitive: u32| corners(primitive).is_some();
     let mut plans = vec![Plan::default(); binary.boxes.len()];
     solve(binary, 0, &mut plans, &is_triangle, 0);
@@ -58,7 +55,7 @@ pub(super) fn collapse(binary: &Binary, primitives: &[(u32, u32)], corners: impl
     let mut number = |i: usize, nodes: &mut Vec<Node>, todo: &mut Vec<(usize, usize)>| {
         if !plans[i].leaf {
             let [low, high] = [f32::INFINITY, f32::NEG_INFINITY].map(f32x8::splat);
-            nodes.push(Node { bounds: [low, high, low, high, low, high], child: [LEAF; 8] });
+            nodes.push(Node { bounds: [low, high, low, high, low, high], child: [LEAF; 8], rest: [0; 8] });
             todo.push((i, nodes.len() - 1));
             return nodes.len() as u32 - 1;
         }
@@ -69,7 +66,7 @@ pub(super) fn collapse(binary: &Binary, primitives: &[(u32, u32)], corners: impl
         LEAF | (leaves.len() as u32 - 1)
     };
     let mut todo = Vec::new();
-    let root = number(0, &mut nodes, &mut todo);
+    let root = (!plans.is_empty()).then(|| number(0, &mut nodes, &mut todo));
     let mut children = Vec::with_capacity(8);
     while let Some((i, slot)) = todo.pop() {
         children.clear();
@@ -90,25 +87,22 @@ pub(super) fn collapse(binary: &Binary, primitives: &[(u32, u32)], corners: impl
         }
         todo[begin..].reverse();
     }
-    let blocks = leaves
-        .par_iter()
-        .with_min_len(64)
-        .map(|&(first, count)| {
-            let mut rows = [[[f32::NAN; 8]; 3]; 3];
-            let mut longest = 0.0f64;
-            for lane in 0..count as usize {
-                let Some(triangle) = corners(binary.order[first as usize + lane]) else { continue };
-                for vertex in 0..3 {
-                    longest = longest.max((triangle[(vertex + 1) % 3] - triangle[vertex]).length());
-                    for axis in 0..3 {
-                        rows[vertex][axis][lane] = triangle[vertex][axis] as f32;
-                    }
+    let block = |&(first, count): &(u32, u32)| {
+        let mut rows = [[[f32::NAN; 8]; 3]; 3];
+        let mut longest = 0.0f64;
+        for lane in 0..count as usize {
+            let Some(triangle) = corners(binary.order[first as usize + lane]) else { continue };
+            for vertex in 0..3 {
+                longest = longest.max((triangle[(vertex + 1) % 3] - triangle[vertex]).length());
+                for axis in 0..3 {
+                    rows[vertex][axis][lane] = triangle[vertex][axis] as f32;
                 }
             }
-            Block { corners: rows.map(|vertex| vertex.map(f32x8::new)), first, width: (SQRT_2 * longest) as f32 }
-        })
-        .collect();
-    Tree { nodes, blocks, details, root: Some(root) }
+        }
+        Block { corners: rows.map(|vertex| vertex.map(f32x8::new)), first, width: (SQRT_2 * longest) as f32, rest: [0; 6] }
+    };
+    let blocks = leaves.par_iter().with_min_len(64).map(block);
+    store(nodes, blocks, binary.order.par_iter().with_min_len(4096).map(detail), root)
 }
 
 /// Fills the plans of the subtree at `root`, whose plans these are, children before parents.

@@ -4,9 +4,11 @@ use super::probe::Probe;
 use super::tree::Tree;
 use super::{Hit, Path};
 use crate::vector::Vec3;
+use bytemuck::{Pod, Zeroable};
 
 /// What a leaf block has no room for.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
 pub(super) struct Detail {
     /// Which surface of the list it is of, or is.
     pub surface: u32,
@@ -30,7 +32,7 @@ pub(super) struct Meeting {
     normal: Vec3,
 }
 
-impl Tree {
+impl Tree<'_> {
     /// The number in the order of the leaves of the triangle in a slot: block · 8 + lane.
     #[inline(always)]
     pub fn place(&self, slot: u32) -> usize {

@@ -47,7 +47,7 @@ impl<'a> Search<'a> {
     #[inline(always)]
     pub fn run(&mut self) {
         let Self { probe, nearest } = self;
-        nearest.accel.tree.walk::<true>(probe, probe.limit, |leaf, limit| nearest.visit(probe, leaf, limit));
+        nearest.accel.tree().walk::<true>(probe, probe.limit, |leaf, limit| nearest.visit(probe, leaf, limit));
     }
 
     /// Visits a leaf; the new limit of what matters.
@@ -70,8 +70,8 @@ impl<'a> Search<'a> {
         if slot & SINGLE != 0 {
             return nearest.single.get();
         }
-        let detail = &accel.tree.details[accel.tree.place(slot)];
-        Some(accel.tree.meet(probe, slot, t, blur).hit(probe, detail, accel.surfaces[detail.surface as usize].mirrored()))
+        let detail = &accel.tree().details[accel.tree().place(slot)];
+        Some(accel.tree().meet(probe, slot, t, blur).hit(probe, detail, accel.surfaces[detail.surface as usize].mirrored()))
     }
 }
 
@@ -85,7 +85,7 @@ impl Nearest<'_> {
     /// Takes the triangles of a block. On its own, so that registers are left for the walk.
     #[inline(never)]
     fn take_triangles(&mut self, probe: &Probe, number: u32, mut limit: f32) -> f32 {
-        let tree = &self.accel.tree;
+        let tree = self.accel.tree();
         let mut lanes = probe.test(&tree.blocks[number as usize], limit);
         while lanes.mask != 0 {
             let lane = (lanes.mask.trailing_zeros() & 7) as usize;

@@ -396,7 +396,7 @@ fn triangles_that_cannot_be_hit_are_left_out_and_harm_no_others() {
     let sound = m.triangles.len();
     m.triangles.extend([[0, 1, first], [first + 1, 0, 9], [first + 2, 5, 9], [3, 3, 4], [7, 7, 7]]);
     let accel = build(vec![mesh(m)]);
-    assert_eq!(accel.tree.details.len(), sound);
+    assert_eq!(accel.tree().details.len(), sound);
     assert!((accel.nearest(&Ray::new(Vec3::splat(0.5), Vec3::Z), TINY, 1e10).unwrap().t - 0.5).abs() < 1e-12);
 }
 
@@ -417,7 +417,7 @@ fn the_build_does_not_depend_on_the_number_of_threads() {
     let trees = [1, 2, 5].map(|threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let accel = pool.install(|| build(vec![mesh(m.clone())]));
-        accel.tree.details.iter().map(|d| d.triangle).collect::<Vec<_>>()
+        accel.tree().details.iter().map(|d| d.triangle).collect::<Vec<_>>()
     });
     assert!(trees[0] == trees[1] && trees[0] == trees[2]);
 }
@@ -433,7 +433,7 @@ proptest! {
         let accel = build(vec![mesh(Mesh { positions, triangles, ..Mesh::default() })]);
         for ray in [Ray::new(first, d.into()), Ray::new(Vec3::ZERO, Vec3::from(d).normalize_or(Vec3::X))] {
             let hit = accel.nearest(&ray, 0.0, f64::INFINITY);
-            prop_assert!(hit.is_none() || !accel.tree.details.is_empty());
+            prop_assert!(hit.is_none() || !accel.tree().details.is_empty());
             accel.occluded(&ray, -1.0, 1.0);
             assert_same_together(&accel, &[ray; 3], [0.0, f64::INFINITY]);
         }

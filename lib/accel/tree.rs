@@ -6,8 +6,9 @@ use super::exact::Detail;
 use super::probe::{LEAD, Probe};
 use crate::geometry::Bounds;
 use crate::vector::Vec3;
-use wide::bytemuck::cast;
+use bytemuck::{Pod, Zeroable, cast};
 use wide::{f32x4, f32x8, f64x4, i32x8};
+use yoke::Yokeable;
 
 /// Set in a child that is not a node.
 pub(super) const LEAF: u32 = 1 << 31;
@@ -87,17 +88,19 @@ pub(super) fn passage(near: [f32x8; 3], far: [f32x8; 3], inverse: [f32x8; 3], sh
 }
 
 /// Eight boxes and what is in them.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub(super) struct Node {
     /// Smallest and largest coordinates along the first axis, the second, the third. An empty slot has +∞, −∞.
     pub bounds: [f32x8; 6],
     /// Node numbers, or [`LEAF`]s.
     pub child: [u32; 8],
+    /// To fill whole lines of the cache.
+    pub rest: [u32; 8],
 }
 
 /// Up to eight triangles.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub(super) struct Block {
     /// Per vertex and axis. Unused lanes are NaN, which no test accepts.
@@ -106,17 +109,19 @@ pub(super) struct Block {
     pub first: u32,
     /// What a side of a triangle is at most long when sheared: √2 times the longest.
     pub width: f32,
+    /// To fill whole lines of the cache.
+    pub rest: [u32; 6],
 }
 
 /// The whole tree.
-#[derive(Clone, Debug)]
-pub(super) struct Tree {
+#[derive(Clone, Copy, Debug, Yokeable)]
+pub(super) struct Tree<'a> {
     /// Inner nodes.
-    pub nodes: Vec<Node>,
+    pub nodes: &'a [Node],
     /// Triangles.
-    pub blocks: Vec<Block>,
+    pub blocks: &'a [Block],
     /// All primitives, in the order of the leaves.
-    pub details: Vec<Detail>,
+    pub details: &'a [Detail],
     /// Node 0, a leaf, or `None` when there is nothing.
     pub root: Option<u32>,
 }
@@ -124,7 +129,7 @@ pub(super) struct Tree {
 /// Entries of the stack that need no allocation.
 const STACK: usize = 32;
 
-impl Tree {
+impl Tree<'_> {
     /// Visits the leaves whose boxes the probe passes before `limit`, near ones first if `ORDERED`. `leaf` gets the leaf's number and the
     /// limit and returns the new limit, which only counts if `ORDERED`; a negative one ends the walk.
     #[inline(always)]
@@ -227,6 +232,6 @@ impl Tree {
 
     /// How much memory it takes.
     pub fn bytes(&self) -> usize {
-        size_of_val(&self.nodes[..]) + size_of_val(&self.blocks[..]) + size_of_val(&self.details[..])
+        size_of_val(self.nodes) + size_of_val(self.blocks) + size_of_val(self.details)
     }
 }
