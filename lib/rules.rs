@@ -80,7 +80,7 @@ impl Default for Rules {
             specular_threshold: 0.0,
             specular_sampling: None,
             light_jitter: None,
-            light_division: 0.0,
+            light_division: 0.2,
             gathering: None,
             back_visible: true,
             lights_visible: true,

@@ -260,7 +260,7 @@ pub struct Light {
     #[arg(long = "dj", value_name = "F")]
     pub dj: Option<f64>,
 
-    /// With -dj: light sources are divided until their parts are smaller than this fraction of their distance [default: 0, not at all]
+    /// With -dj: light sources are divided until their parts are smaller than this fraction of their distance [default: .2]
     #[arg(long = "ds", value_name = "F")]
     pub ds: Option<f64>,
 

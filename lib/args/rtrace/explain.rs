@@ -89,9 +89,9 @@ impl Said {
             _ => "the rough lobe itself, which RADIANCE approaches with many samples".into(),
         });
         self.option("-dj", light.dj, |j| match (j, light.ds) {
-            (0.0, None | Some(0.0)) => "each lamp is one sample at its centre".into(),
-            (0.0, Some(_)) => "each part of a lamp is one sample at its middle".into(),
-            _ => format!("each lamp, or part of one (-ds), is a sample jittered over {j} of its extent"),
+            (0.0, Some(0.0)) => "each lamp is one sample at its centre".into(),
+            (0.0, _) => "each part of a lamp (-ds) is one sample at its middle".into(),
+            _ => format!("each part of a lamp (-ds) is a sample jittered over {j} of its extent"),
         });
         self.option("-ds", light.ds, |s| match light.dj {
             Some(_) => format!("lamps are divided until their parts are smaller than {s} of their distance"),
@@ -210,7 +210,7 @@ fn differing(light: &Light) -> [(bool, &'static str, &'static str, &'static str)
         (light.st.is_some(), "-st", ".15", "0: all rough reflection is followed"),
         (light.ss.is_some(), "-ss", "1", "the rough lobe itself, as with a high -ss"),
         (light.dj.is_some(), "-dj", "0", "lamps are integrated over all their extent"),
-        (light.ds.is_some() || light.dj.is_none(), "-ds", ".2, rpict .25", "0: one sample of each lamp, as -dj is given"),
+        (light.ds.is_some() || light.dj.is_none(), "-ds", ".2, rpict .25", ".2"),
         (light.dr.is_some(), "-dr", "2, rpict 1", "2"),
         (light.tuning.aa.is_some(), "-aa", ".1, rpict .2", "0: indirect light is not interpolated"),
     ]
