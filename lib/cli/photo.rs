@@ -13,7 +13,7 @@ use crate::rad::{Class, Document, Number, Primitive};
 use crate::recover::{Evidence, Recovery, otherwise};
 use crate::render::{Budget, Film, Filter, Task, render};
 use crate::report::{Setting, Views};
-use crate::rules::Rules;
+use crate::rules::{Rules, shortcuts};
 use crate::scene::{MaterialId, Scene};
 use crate::unknown::Unknown;
 use crate::view::View;
@@ -78,6 +78,13 @@ impl<'a> Photo<'a> {
             (_, Some(said)) => film.through(said),
             _ => film,
         };
+        if let (Some((_, target)), Some(spec), None, None) =
+            (&taken, unknown.material().type_of().and_then(|t| t.parameter("spec")), arguments.light.st, arguments.light.ss)
+        {
+            let least = unknown.reals(&unknown.bounds().iter().map(|bound| bound.0).collect::<Vec<_>>())[spec];
+            let lines = target.header.lines.iter().map(String::as_str);
+            shortcuts(lines, least).iter().for_each(|shortcut| console.warn(shortcut));
+        }
         disk.count(view.header_line().as_bytes());
         let (name, target) = taken.unwrap_or_else(|| {
             let (width, height) = (film.width, film.height);
