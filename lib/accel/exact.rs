@@ -39,6 +39,12 @@ impl Tree<'_> {
         self.blocks[(slot >> 3) as usize].first as usize + (slot & 7) as usize
     }
 
+    /// Asks memory for the detail of the triangle in a slot, which may be the one: it comes while the search goes on.
+    #[inline(always)]
+    pub fn ask(&self, slot: u32) {
+        std::hint::black_box(self.details[self.place(slot)].surface);
+    }
+
     /// The corners of the triangle in a slot.
     #[inline(always)]
     fn corners(&self, slot: u32) -> [Vec3; 3] {

@@ -93,6 +93,7 @@ impl Nearest<'_> {
             let (t, blur, slot) = (lanes.t[lane], lanes.blur[lane], number << 3 | lane as u32);
             if t <= limit && probe.within(t, blur).unwrap_or_else(|| tree.within(probe, slot, [t, blur], self.range)) {
                 limit = self.take(t, blur, slot);
+                tree.ask(slot);
             }
         }
         limit
