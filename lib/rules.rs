@@ -123,9 +123,9 @@ pub fn shortcuts<'a>(lines: impl IntoIterator<Item = &'a str>, least: f64) -> Ve
         say(st, "a specularity up to that mirrors nothing but lamps there, and comes out too small", "-st 0");
     }
     if sampling == 0.0 {
-        say(ss, "rough surfaces reflect like mirrors there", "-ss 8");
+        say(ss, "rough surfaces reflect like mirrors there", "-ss 2");
     } else if sampling <= UNWEIGHTED {
-        say(ss, "rough surfaces reflect too much there, 3 % at a roughness of .1 and 8 % at .2", "-ss 8");
+        say(ss, "rough surfaces reflect too much there, 3 % at a roughness of .1 and 8 % at .2", "-ss 2");
     }
     found
 }
@@ -143,6 +143,6 @@ mod tests {
         assert!(defaults[0].starts_with("the target was rendered by rpict with -st 0.15, its default: "), "{defaults:?}");
         assert!(defaults[1].starts_with("the target was rendered by rpict with -ss 1, its default: "), "{defaults:?}");
         let [only] = &said(&["rtrace -st .3 -ss 0 -st .1 a.oct"], 0.2)[..] else { panic!() };
-        assert_eq!(only, "the target was rendered by rtrace with -ss 0: rough surfaces reflect like mirrors there; render it with -ss 8");
+        assert_eq!(only, "the target was rendered by rtrace with -ss 0: rough surfaces reflect like mirrors there; render it with -ss 2");
     }
 }
