@@ -53,7 +53,7 @@ fn pages(bytes: usize) -> Option<MmapMut> {
         return None;
     }
     let map = MmapMut::map_anon(bytes.next_multiple_of(HUGE)).ok()?;
-    // A wish: where it is not granted, rays are slower, by up to a sixth among 10⁶ triangles.
+    // A wish: where it is not granted, rays are slower, by up to an eighth among 10⁶ triangles.
     #[cfg(target_os = "linux")]
     let _ = map.advise(memmap2::Advice::HugePage);
     Some(map)
