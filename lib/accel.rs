@@ -192,7 +192,7 @@ impl Accel {
             let lanes = probe.test(&self.tree().blocks[number as usize], limit);
             for lane in (0..8).filter(|lane| lanes.mask >> lane & 1 == 1) {
                 let slot = number << 3 | lane as u32;
-                let detail = &self.tree().details[self.tree().place(slot)];
+                let detail = self.tree().detail(slot);
                 let Body::Mesh(placed) = &self.surfaces[detail.surface as usize] else { continue };
                 let hit = self.tree().meet(&probe, slot, lanes.t[lane], lanes.blur[lane]).hit(&probe, detail, placed.mirrored);
                 if hit.t > t_min && hit.t < t_max {

@@ -54,6 +54,15 @@ pub enum Format {
     Xyz,
 }
 
+/// The words of a command line in a header, the program without its path.
+pub fn command_words(line: &str) -> Vec<&str> {
+    let mut words: Vec<&str> = line.split_whitespace().collect();
+    if let Some(program) = words.first_mut() {
+        *program = program.rsplit('/').next().unwrap_or(program);
+    }
+    words
+}
+
 impl Header {
     /// The header of a picture that `command` makes. The date is left out: the same command gives the same bytes.
     pub fn new(command: &str) -> Self {

@@ -4,6 +4,7 @@
 //! is given means what it means in RADIANCE.
 
 use crate::color::Rgb;
+use crate::picture::command_words;
 use std::collections::HashSet;
 
 /// The rules a picture is computed by. `Default` is the converged picture.
@@ -104,9 +105,8 @@ impl Rules {
 /// What of rough reflection the last of RADIANCE's renderers in a picture's header changed, where a specularity may be as small as `least`: a sentence
 /// each. How much too bright: a metal ball in light from everywhere by `rpict -st 0 -ab 1`, with `-ss 1` and with `-ss 8`.
 pub fn shortcuts<'a>(lines: impl IntoIterator<Item = &'a str>, least: f64) -> Vec<String> {
-    let program = |words: &Vec<&'a str>| words.first().map(|word| word.rsplit('/').next().unwrap_or(word));
-    let lines = lines.into_iter().map(|line| line.split_whitespace().collect::<Vec<_>>());
-    let Some(words) = lines.filter(|words| matches!(program(words), Some("rpict" | "rtrace"))).last() else { return vec![] };
+    let commands = lines.into_iter().map(command_words).filter(|words| matches!(words.first(), Some(&"rpict" | &"rtrace")));
+    let Some(words) = commands.last() else { return vec![] };
     let option = |name: &str, default: f64| {
         let given = words.iter().rposition(|word| *word == name).and_then(|at| words.get(at + 1)?.parse().ok());
         (given.unwrap_or(default), format!("{name} {}", given.map_or(format!("{default}, its default"), |value: f64| value.to_string())))
@@ -114,10 +114,7 @@ pub fn shortcuts<'a>(lines: impl IntoIterator<Item = &'a str>, least: f64) -> Ve
     let ((threshold, st), (sampling, ss)) = (option("-st", 0.15), option("-ss", 1.0));
     let mut found = Vec::new();
     let mut say = |option: String, harm: &str, remedy: &str| {
-        found.push(format!(
-            "the target was rendered by {} with {option}: {harm}; render it with {remedy}",
-            program(&words).unwrap_or_default()
-        ));
+        found.push(format!("the target was rendered by {} with {option}: {harm}; render it with {remedy}", words[0]));
     };
     if threshold > least {
         say(st, "a specularity up to that mirrors nothing but lamps there, and comes out too small", "-st 0");

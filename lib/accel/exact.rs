@@ -33,23 +33,23 @@ pub(super) struct Meeting {
 }
 
 impl Tree<'_> {
-    /// The number in the order of the leaves of the triangle in a slot: block · 8 + lane.
+    /// The detail of the triangle in a slot: block · 8 + lane.
     #[inline(always)]
-    pub fn place(&self, slot: u32) -> usize {
-        self.blocks[(slot >> 3) as usize].first as usize + (slot & 7) as usize
+    pub fn detail(&self, slot: u32) -> &Detail {
+        &self.details[self.blocks[(slot >> 3) as usize].first as usize + (slot & 7) as usize]
     }
 
     /// Asks memory for the detail of the triangle in a slot, which may be the one: it comes while the search goes on.
     #[inline(always)]
     pub fn ask(&self, slot: u32) {
-        std::hint::black_box(self.details[self.place(slot)].surface);
+        std::hint::black_box(self.detail(slot).surface);
     }
 
     /// The corners of the triangle in a slot.
     #[inline(always)]
     fn corners(&self, slot: u32) -> [Vec3; 3] {
         let (block, lane) = (&self.blocks[(slot >> 3) as usize], (slot & 7) as usize);
-        let detail = &self.details[block.first as usize + lane];
+        let detail = self.detail(slot);
         let exact = |v: usize, axis: usize| f64::from(block.corners[v][axis].as_array()[lane]) + f64::from(detail.residue[v][axis]);
         let corner = |v: usize| Vec3::new(exact(v, 0), exact(v, 1), exact(v, 2));
         [corner(0), corner(1), corner(2)]

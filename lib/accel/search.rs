@@ -70,7 +70,7 @@ impl<'a> Search<'a> {
         if slot & SINGLE != 0 {
             return nearest.single.get();
         }
-        let detail = &accel.tree().details[accel.tree().place(slot)];
+        let detail = accel.tree().detail(slot);
         Some(accel.tree().meet(probe, slot, t, blur).hit(probe, detail, accel.surfaces[detail.surface as usize].mirrored()))
     }
 }

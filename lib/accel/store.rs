@@ -16,13 +16,13 @@ pub(super) type Stored = Yoke<Tree<'static>, Arc<Memory>>;
 /// Bytes of a huge page.
 const HUGE: usize = 1 << 21;
 
-/// What a tree lies in, and where it begins.
+/// What a tree lies in.
 #[derive(Debug)]
 pub(super) enum Memory {
     /// Its parts, each where it was made.
-    Few(Vec<Node>, Vec<Block>, Vec<Detail>, Option<u32>),
+    Few(Vec<Node>, Vec<Block>, Vec<Detail>),
     /// One part behind the other in whole huge pages: how many bytes of each.
-    Many(MmapMut, [usize; 3], Option<u32>),
+    Many(MmapMut, [usize; 3]),
 }
 
 /// The tree of these parts.
@@ -34,17 +34,17 @@ pub(super) fn store(
 ) -> Stored {
     let sizes = [size_of_val(&nodes[..]), blocks.len() * size_of::<Block>(), details.len() * size_of::<Detail>()];
     let memory = match pages(sizes.iter().sum()) {
-        None => Memory::Few(nodes, blocks.collect(), details.collect(), root),
+        None => Memory::Few(nodes, blocks.collect(), details.collect()),
         Some(mut map) => {
             let (for_nodes, rest) = map.split_at_mut(sizes[0]);
             let (for_blocks, for_details) = rest.split_at_mut(sizes[1]);
             fill(for_nodes, nodes.into_par_iter());
             fill(for_blocks, blocks);
             fill(&mut for_details[..sizes[2]], details);
-            Memory::Many(map, sizes, root)
+            Memory::Many(map, sizes)
         }
     };
-    Stored::attach_to_cart(Arc::new(memory), Memory::tree)
+    Stored::attach_to_cart(Arc::new(memory), |memory| memory.tree(root))
 }
 
 /// So many bytes, in huge pages; `None` if they are few, or there is no such memory.
@@ -65,13 +65,13 @@ fn fill<T: Pod + Send>(bytes: &mut [u8], values: impl IndexedParallelIterator<It
 }
 
 impl Memory {
-    fn tree(&self) -> Tree<'_> {
+    fn tree(&self, root: Option<u32>) -> Tree<'_> {
         match self {
-            Self::Few(nodes, blocks, details, root) => Tree { nodes, blocks, details, root: *root },
-            Self::Many(map, [nodes, blocks, details], root) => {
+            Self::Few(nodes, blocks, details) => Tree { nodes, blocks, details, root },
+            Self::Many(map, [nodes, blocks, details]) => {
                 let (nodes, rest) = map.split_at(*nodes);
                 let (blocks, rest) = rest.split_at(*blocks);
-                Tree { nodes: cast_slice(nodes), blocks: cast_slice(blocks), details: cast_slice(&rest[..*details]), root: *root }
+                Tree { nodes: cast_slice(nodes), blocks: cast_slice(blocks), details: cast_slice(&rest[..*details]), root }
             }
         }
     }

@@ -55,7 +55,8 @@ impl<'a> Photo<'a> {
             Ok((name.clone(), Picture::read(&bytes, &name)?))
         };
         let taken = target.map(read).transpose()?;
-        let own = taken.as_ref().and_then(|(_, target)| View::said(target.header.lines.iter().map(String::as_str)));
+        let trail = || taken.iter().flat_map(|(_, target)| target.header.lines.iter().map(String::as_str));
+        let own = View::said(trail());
         let view = if photo.view.words.is_empty() {
             let picture = taken.as_ref().map_or_else(String::new, |(name, _)| format!(", and {name} does not say its own"));
             own.ok_or_else(|| Error::new(format!("no view{picture}; give the view it is taken from with -vf FILE")))?
@@ -72,18 +73,16 @@ impl<'a> Photo<'a> {
             Some((_, target)) => Film::new(&view, target.width, target.height, 0.0)?,
             None => Film::new(&view, photo.x.unwrap_or(PREDICTED), photo.y.unwrap_or(PREDICTED), 1.0)?,
         };
-        let said = taken.as_ref().and_then(|(_, target)| Filter::said(target.header.lines.iter().map(String::as_str)));
-        let film = match (photo.filter, said) {
+        let film = match (photo.filter, Filter::said(trail())) {
             (Some(Sharpness::Radius(radius)), _) => film.through(Filter::gaussian(radius, None)),
             (_, Some(said)) => film.through(said),
             _ => film,
         };
-        if let (Some((_, target)), Some(spec), None, None) =
-            (&taken, unknown.material().type_of().and_then(|t| t.parameter("spec")), arguments.light.st, arguments.light.ss)
+        if let Some(spec) = unknown.material().type_of().and_then(|t| t.parameter("spec"))
+            && arguments.light.st.or(arguments.light.ss).is_none()
         {
-            let least = unknown.reals(&unknown.bounds().iter().map(|bound| bound.0).collect::<Vec<_>>())[spec];
-            let lines = target.header.lines.iter().map(String::as_str);
-            shortcuts(lines, least).iter().for_each(|shortcut| console.warn(shortcut));
+            let lowest: Vec<f64> = unknown.bounds().iter().map(|bound| bound.0).collect();
+            shortcuts(trail(), unknown.reals(&lowest)[spec]).iter().for_each(|shortcut| console.warn(shortcut));
         }
         disk.count(view.header_line().as_bytes());
         let (name, target) = taken.unwrap_or_else(|| {

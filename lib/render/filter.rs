@@ -1,5 +1,7 @@
 //! Which of the light around its centre a pixel takes in.
 
+use crate::picture::command_words;
+
 /// How much light counts by where it is in a pixel or beside it: along both axes alike, a density in steps.
 ///
 /// A camera integrates the area of a pixel, a box. RADIANCE's pictures are rendered larger and reduced by `pfilt`, which weighs the large pixels
@@ -56,7 +58,7 @@ impl Filter {
     pub fn said<'a>(lines: impl IntoIterator<Item = &'a str>) -> Option<Self> {
         let (mut filter, mut width) = (None, None);
         for line in lines {
-            let words: Vec<&str> = line.split_whitespace().collect();
+            let words = command_words(line);
             let option = |name: &str| {
                 let at = words.iter().position(|word| *word == name).map(|at| words.get(at + 1).copied());
                 at.unwrap_or_else(|| words.iter().find_map(|word| word.strip_prefix(name)?.strip_prefix('=')))
@@ -64,7 +66,7 @@ impl Filter {
             let number = |name: &str| option(name).and_then(|word| word.parse::<f64>().ok());
             let radius = |name: &str| number(name).filter(|radius| (0.0..=WIDEST).contains(radius));
             let mut larger = None;
-            match words.first().map(|word| word.rsplit('/').next().unwrap_or(word)) {
+            match words.first().copied() {
                 Some("pfilt") if ["-x", "-y", "-r"].iter().any(|name| words.contains(name)) => {
                     let times = option("-x").and_then(|word| word.strip_prefix('/')?.parse::<f64>().ok());
                     larger = times.or_else(|| Some(width? / number("-x")?)).filter(|times| (1.0..=FINE).contains(times));
