@@ -11,7 +11,7 @@ pub mod heat;
 
 /// What keeps the relative measures finite where the reference is black: .01, where the reference's average is 1 (Rousselle et
 /// al. 2011, "Adaptive Sampling and Reconstruction using Greedy Error Minimization", section 5, made independent of units).
-const EPSILON: f64 = 0.01;
+pub const EPSILON: f64 = 0.01;
 
 /// What a search makes small, so that a rendering resembles a photograph.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -37,13 +37,18 @@ impl Loss {
         let square = (reference - value).powi(2) - variance;
         match self {
             Self::Chi2 => square,
-            Self::Relative => square / (reference * reference + EPSILON * average * average),
+            Self::Relative => square / relative_to(reference, average),
             Self::Log => {
                 let [reference, value] = [reference, value].map(|v| v.max(0.0) + EPSILON.sqrt() * average);
                 (value / reference).ln().powi(2) - variance / (value * value)
             }
         }
     }
+}
+
+/// What a square is relative to where the reference, whose average is `average`, has `reference`.
+fn relative_to(reference: f64, average: f64) -> f64 {
+    reference * reference + EPSILON * average * average
 }
 
 /// Two pictures to be compared. [`Comparison::new`] checks that they can be.
@@ -216,7 +221,7 @@ impl<'a> Comparison<'a> {
             m.mse += v.weight * square;
             // Where all is black there is nothing to be relative to.
             if average > 0.0 {
-                m.relmse += v.weight * square / (v.a * v.a + EPSILON * average * average);
+                m.relmse += v.weight * square / relative_to(v.a, average);
                 m.mape += v.weight * difference / (v.a.abs() + EPSILON * average);
             }
             m.peak = m.peak.max(v.a);

@@ -9,9 +9,9 @@ mod clear;
 pub mod doubts;
 mod drift;
 mod enough;
-pub mod fit;
+mod fit;
 mod foresight;
-pub mod gram;
+mod gram;
 mod indices;
 mod look;
 mod misfit;
@@ -76,7 +76,7 @@ pub struct Effort<'a> {
     pub around: Option<&'a [f64]>,
     /// Only look at what can be seen at once: enough to compare types of material.
     pub quick: bool,
-    /// By how much the value that is wished for changes with the one that is looked for, by the place of the parameter and that value.
+    /// `rate(i, x)`: by how much the value of parameter i that is told changes with the one that is searched for, where that is x.
     pub rate: &'a (dyn Fn(usize, f64) -> f64 + Sync),
     /// Who is told what each round found.
     pub told: &'a (dyn Fn(&Recovery) + Sync),
@@ -91,7 +91,7 @@ pub struct Recovery {
     pub covariance: Symmetric,
     /// The part of it that the rendering makes.
     pub own: Symmetric,
-    /// What an error that pixels have in common does to the values: their covariance for one of `sheet::COMMON` of the light.
+    /// The covariance of the values if all pixels had one relative error of `sheet::COMMON`, with the signs that do most harm.
     pub common: Symmetric,
     /// By which part of their light whole areas are off, which no noise is.
     pub misfit: f64,
@@ -186,7 +186,7 @@ impl Recovery {
 }
 
 impl Evidence<'_> {
-    /// The pixels that show the unknown, and count; errors if there is none. In an illumination field it must cover them wholly.
+    /// The pixels that show the unknown, and count; errors if there is none, or one is not finite. In an illumination field it must cover them wholly.
     pub fn pixels(&self, unknown: &Unknown, material: MaterialId) -> Result<Vec<usize>> {
         let lens = self.film.lens();
         let shows = |n: usize, at: [f64; 2]| {
@@ -201,6 +201,14 @@ impl Evidence<'_> {
         let pixels: Vec<usize> = (0..self.film.width * self.film.height).into_par_iter().filter(shown).collect();
         if pixels.is_empty() {
             return Err(Error::new(format!("no pixel of the picture shows `{}`: check the view and the mask", unknown.material().name)));
+        }
+        let mut bad = pixels.iter().filter(|&&n| self.target.pixels[n].iter().any(|v| !v.is_finite()));
+        if let Some(first) = bad.next() {
+            let (x, y, more) = (first % self.film.width, first / self.film.width, bad.count());
+            return Err(Error::new(format!(
+                "the picture's pixel in column {x} and row {y} (from the upper left, from 0) and {more} others are not finite; \
+                 leave them out with --mask"
+            )));
         }
         Ok(pixels)
     }

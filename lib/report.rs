@@ -11,7 +11,7 @@ pub use views::{Setting, Views};
 use crate::anneal::Parameter;
 use crate::anneal::linear::Symmetric;
 use crate::error::Result;
-use crate::metric::{Comparison, Named};
+use crate::metric::{Comparison, Loss, Named};
 use crate::picture::png::Tone;
 use crate::picture::{Header, Picture};
 use crate::rad::Number;
@@ -39,16 +39,18 @@ pub struct Report<'a> {
     pub own: Option<Vec<f64>>,
     /// Correlations of the errors, if they are known.
     pub correlations: Option<Symmetric>,
-    /// χ² of what was found.
-    pub chi2: f64,
+    /// How far what was found is off, and by which measure.
+    pub measure: (Loss, f64),
     /// How many pixels counted, if pixels were looked at.
     pub pixels: Option<usize>,
     /// What was found of the filter of the picture's pixels, if that was sought.
     pub filter: Option<String>,
     /// What there is to doubt.
     pub doubts: &'a [String],
-    /// How it was found.
+    /// How it was found, and by which measure.
     pub trail: &'a [Moment],
+    /// See there.
+    pub followed: Loss,
     /// What a moment of it is called: `round`, `evaluation`.
     pub unit: &'a str,
     /// What can be seen, if the scene is known.
@@ -66,14 +68,14 @@ pub struct Moment {
     pub values: Vec<f64>,
     /// Their standard errors, if they were known.
     pub errors: Option<Vec<f64>>,
-    /// χ², if it was known.
+    /// How far off they are, if that was known: χ², or the loss that was followed.
     pub chi2: Option<f64>,
     /// Over how many pixels, if not always the same.
     pub pixels: Option<usize>,
 }
 
 impl Moment {
-    /// χ², or χ² a pixel: what can be compared with another moment's.
+    /// The same, or that of a pixel: what can be compared with another moment's.
     fn misfit(&self) -> Option<f64> {
         self.chi2.map(|chi2| chi2 / self.pixels.unwrap_or(1) as f64)
     }
@@ -118,8 +120,8 @@ impl Report<'_> {
             escape(self.name),
             escape(self.kind),
             self.parameters.len(),
-            CHI2,
-            brief(self.chi2)
+            symbol(self.measure.0),
+            brief(self.measure.1)
         );
         if !self.doubts.is_empty() {
             out += "<section class=\"doubts\">\n<h2>Beware</h2>\n<ul>\n";
@@ -206,7 +208,11 @@ impl Report<'_> {
         let best = best(self.trail);
         let mut out = String::from("<section>\n<h2>How it was found</h2>\n<div class=\"courses\">\n");
         let misfits: Vec<(f64, Option<f64>)> = self.trail.iter().map(|m| (m.misfit().unwrap_or(f64::NAN), None)).collect();
-        let title = if self.trail.iter().any(|m| m.pixels.is_some()) { "chi-squared a pixel" } else { "chi-squared" };
+        let title = match (self.followed, self.trail.iter().any(|m| m.pixels.is_some())) {
+            (Loss::Chi2, true) => "chi-squared a pixel",
+            (Loss::Chi2, false) => "chi-squared",
+            _ => "loss",
+        };
         let course = |title, class, points, logarithmic| Course { title, class, points, best: &best, logarithmic, unit: self.unit };
         out += &course(title, "k", misfits, true).draw();
         for (i, parameter) in self.parameters.iter().enumerate() {
@@ -249,8 +255,8 @@ impl Report<'_> {
             }
             out += "</tr>\n";
         }
-        out +=
-            &format!("<tr><th>{CHI2}</th><td class=\"number\">{}</td>{}</tr>\n</tbody>\n</table>\n", six(self.chi2), "<td></td>".repeat(5));
+        let (measure, value) = (symbol(self.measure.0), six(self.measure.1));
+        out += &format!("<tr><th>{measure}</th><td class=\"number\">{value}</td>{}</tr>\n</tbody>\n</table>\n", "<td></td>".repeat(5));
         out += &format!(
             "<h2>The file</h2>\n<pre>{}</pre>\n<h2>The command</h2>\n<pre>{}</pre>\n</section>\n",
             escape(self.file),
@@ -267,6 +273,11 @@ const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 /// χ² as the page writes it.
 const CHI2: &str = "<i>χ</i>²";
+
+/// A measure as the page writes it.
+fn symbol(measure: Loss) -> &'static str {
+    if measure == Loss::Chi2 { CHI2 } else { measure.name() }
+}
 
 /// Target, rendering, difference.
 fn comparison(views: &Views) -> Result<String> {

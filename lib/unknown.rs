@@ -57,7 +57,7 @@ pub const EXPOSURES: [&str; 4] = ["exposure", "exposure-red", "exposure-green", 
 pub const ROUGHNESSES: [&str; 3] = ["rough", "urough", "vrough"];
 
 /// The words that stand for the three colours in a list of parameters.
-const COLORS: (&str, [&str; 3]) = ("rgb", ["red", "green", "blue"]);
+pub const COLORS: (&str, [&str; 3]) = ("rgb", ["red", "green", "blue"]);
 
 impl std::str::FromStr for Bounds {
     type Err = Error;

@@ -267,16 +267,8 @@ impl Quadratic {
     fn fit(rows: &[(Vec<f64>, f64, f64)], variables: usize, prior: Option<&Symmetric>) -> Option<Self> {
         let size = coefficients(variables);
         let total: f64 = rows.iter().map(|row| row.2).sum();
-        let hold = |k: usize| {
-            total
-                * if k <= variables {
-                    1e-12
-                } else if prior.is_some() {
-                    HOLD.0
-                } else {
-                    HOLD.1
-                }
-        };
+        let weakly = if prior.is_some() { HOLD.0 } else { HOLD.1 };
+        let hold = |k: usize| total * if k <= variables { 1e-12 } else { weakly };
         // Solve the normal equations about the mean value, second derivatives held weakly to those known before.
         let mean = rows.iter().map(|row| row.1 * row.2).sum::<f64>() / total;
         let data = Symmetric::of(size, |i, j| rows.iter().map(|(f, _, w)| w * f[i] * f[j]).sum());

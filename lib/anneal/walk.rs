@@ -110,7 +110,9 @@ impl Walk {
         while self.chains.len() > left {
             let value = |i: usize| trials[self.chains[i].best].chi2;
             let worst = (0..self.chains.len()).max_by(|&a, &b| value(a).total_cmp(&value(b)));
-            worst.map(|i| self.chains.remove(i));
+            if let Some(worst) = worst {
+                self.chains.remove(worst);
+            }
         }
     }
 
@@ -202,7 +204,8 @@ impl Walk {
             return;
         }
         let pairs = std::mem::take(&mut self.carried);
-        let sum = |pick: fn(&(usize, usize)) -> usize| pairs.iter().map(|p| trials[pick(p)].chi2.abs()).sum::<f64>();
+        let possible = |p: &&(usize, usize)| trials[p.0].chi2 < f64::MAX && trials[p.1].chi2 < f64::MAX;
+        let sum = |pick: fn(&(usize, usize)) -> usize| pairs.iter().filter(possible).map(|p| trials[pick(p)].chi2.abs()).sum::<f64>();
         let ratio = sum(|p| p.1) / sum(|p| p.0);
         if ratio.is_finite() && ratio > 0.0 {
             self.temperature *= ratio;

@@ -195,7 +195,7 @@ pub struct SearchOptions {
     pub tolerance: Option<f64>,
 
     /// Search by --exec in N stages, coarse first: the command may render small pictures while $STAGE is 1
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value_t = 1, conflicts_with = "direct")]
     pub stages: u8,
 
     /// How many independent squares the chi-squared of --exec or --direct is the sum of, as 3 for each pixel that matters: standard errors
@@ -240,9 +240,6 @@ pub enum Job {
     Best(PathBuf),
 }
 
-/// Evaluations when nothing was said of their number.
-pub const STEPS: usize = 400;
-
 impl AsRef<Common> for Arguments {
     fn as_ref(&self) -> &Common {
         &self.common
@@ -271,6 +268,12 @@ impl Arguments {
         let words: Vec<&str> = self.words.iter().map(String::as_str).collect();
         if matches!(words[..], ["propose" | "tell" | "best", _, ..]) && (self.search.state.is_some() || self.search.log.is_some()) {
             return Err(Error::new(format!("{} keeps the search in the file after it, and no log; leave --state and --log out", words[0])));
+        }
+        if matches!(words[..], ["propose" | "tell" | "best", "-", ..]) {
+            return Err(Error::new(format!(
+                "{} takes the name of a file, which keeps the search; standard output is for the candidate",
+                words[0]
+            )));
         }
         match words[..] {
             ["propose", state] => Ok(Job::Propose(state.into(), None)),
@@ -340,7 +343,7 @@ impl Arguments {
         }
         Ok(Options {
             seed: self.common.seed,
-            steps: search.steps.unwrap_or(STEPS),
+            steps: search.steps.unwrap_or(Options::default().steps),
             groups: vec![],
             stages: vec![1.0; usize::from(search.stages)],
             polish: !search.no_polish,

@@ -29,7 +29,7 @@ pub fn picture((width, height): (usize, usize), header: Header, values: impl Ite
 }
 
 /// The same picture in CIE XYZ, Y in cd/m².
-pub fn in_xyz(mut picture: Picture) -> Picture {
+fn in_xyz(mut picture: Picture) -> Picture {
     let matrix = rgb_to_xyz() * WHITE_EFFICACY;
     picture.pixels.iter_mut().for_each(|pixel| *pixel = to_pixel(matrix * of_pixel(*pixel)));
     picture.header.lines.retain(|line| !line.starts_with("PRIMARIES="));

@@ -47,6 +47,12 @@ impl Asked {
             format!("{start:?} {photo:?} {unknown:?} {light:?} {scene_options:?} {} {:?} {:?}", common.seed, search.tolerance, search.time);
         Self { options, read }
     }
+
+    /// What these arguments ask of a search by renderings, besides what that keeps itself.
+    pub fn judged(arguments: &Arguments, read: u64) -> Self {
+        let Arguments { photo, light, scene_options, .. } = arguments;
+        Self { options: format!("{photo:?} {light:?} {scene_options:?}"), read }
+    }
 }
 
 impl Kept {
@@ -89,15 +95,15 @@ impl Kept {
             found: found.clone(),
             rounds: trail.moments().clone(),
         };
+        let text = serde_json::to_vec(&kept).map_err(|e| Error::new(format!("{}: {e}", path.display())))?;
         // What is infinite no file keeps: then the same command does it again.
-        if !kept.is_of(found.values.len()) {
+        if serde_json::from_slice::<Self>(&text).is_err() {
             return Ok(());
         }
-        let text = serde_json::to_vec(&kept).map_err(|e| Error::new(format!("{}: {e}", path.display())))?;
         Output::whole(Some(path), &text)
     }
 
-    /// Whether all it knows is of that many parameters, and finite.
+    /// Whether all it knows is of that many parameters.
     fn is_of(&self, parameters: usize) -> bool {
         let Recovery { values, covariance, own, common, .. } = &self.found;
         let fits =

@@ -4,6 +4,7 @@ use super::photo::Photo;
 use super::search::{Log, Search};
 use super::{Console, Outcome, Output};
 use crate::error::Error;
+use crate::metric::Loss;
 use crate::rad::decode;
 use crate::recover::Recovery;
 use crate::recover::answer::Answer;
@@ -87,7 +88,7 @@ pub fn of_recovery(path: &Path, found: &Recovery, answer: &Answer, photo: &Photo
         filter: found.sharpness().map(|blur| blur.title()),
         trail: &trail.moments(),
         unit: "round",
-        ..told(answer, found.chi2)
+        ..told(answer, (Loss::Chi2, found.chi2))
     };
     write(path, told, photo.unknown(), Some(photo), console)
 }
@@ -95,17 +96,17 @@ pub fn of_recovery(path: &Path, found: &Recovery, answer: &Answer, photo: &Photo
 /// Writes the page of a search, and of the photograph it was for, if it was for one.
 pub fn of_search(path: &Path, search: &Search, photo: Option<&Photo>, console: &Console) -> Outcome<()> {
     let annealer = search.annealer();
-    let (Some(best), Some((_, chi2))) = (annealer.best(), search.measured()) else {
+    let (Some(best), Some(measure)) = (annealer.best(), search.measured()) else {
         return Err(Error::new("nothing was evaluated yet: there is nothing to report").into());
     };
     let answer = search.answer(&best.values);
     let past = annealer.past().map(|(values, chi2)| Moment { values: values.to_vec(), errors: None, chi2, pixels: None });
-    let told = Report { trail: &past.collect::<Vec<_>>(), unit: "evaluation", ..told(&answer, chi2) };
+    let told = Report { trail: &past.collect::<Vec<_>>(), followed: search.loss(), unit: "evaluation", ..told(&answer, measure) };
     write(path, told, search.unknown(), photo, console)
 }
 
-/// A report of an answer and its χ², and of nothing else yet.
-fn told<'a>(answer: &'a Answer, chi2: f64) -> Report<'a> {
+/// A report of an answer and how far it is off, and of nothing else yet.
+fn told<'a>(answer: &'a Answer, measure: (Loss, f64)) -> Report<'a> {
     Report {
         name: "",
         kind: "",
@@ -115,11 +116,12 @@ fn told<'a>(answer: &'a Answer, chi2: f64) -> Report<'a> {
         errors: answer.errors().map(<[f64]>::to_vec),
         own: None,
         correlations: answer.correlations().cloned(),
-        chi2,
+        measure,
         pixels: None,
         filter: None,
         doubts: answer.doubts(),
         trail: &[],
+        followed: Loss::Chi2,
         unit: "",
         views: None,
         file: "",

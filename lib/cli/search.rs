@@ -1,12 +1,13 @@
 //! A search with the outside: kept in a file, logged, shown, interrupted, limited in time.
 
 use super::interrupted;
+use super::kept::Asked;
 use super::stream::{Output, file, plain};
 use super::{Console, Outcome};
 use crate::anneal::{Annealer, End, Options};
 use crate::error::{Error, Result};
 use crate::metric::Loss;
-use crate::rad::{Document, Number, decode};
+use crate::rad::{Document, decode};
 use crate::recover::answer::{Answer, missed, six};
 use crate::recover::doubts::Known;
 use crate::unknown::{Unknown, Wishes};
@@ -32,6 +33,9 @@ struct Kept {
     /// What it takes for chi-squared.
     #[serde(default)]
     loss: Loss,
+    /// What the renderings are compared with, if it is no command that does it.
+    #[serde(default)]
+    judged: Option<Asked>,
     /// The chi-squared of the best, at the end, if that is not what was made small; nothing once there is more to tell.
     #[serde(default)]
     chi2: Option<f64>,
@@ -79,7 +83,13 @@ impl Search {
         let unknown = Unknown::new(Document::read(name, bytes)?, &wishes)?;
         options.groups = unknown.groups().to_vec();
         let annealer = Annealer::new(unknown.parameters().to_vec(), options)?;
-        Ok(Self { kept: Kept { name: name.into(), start, wishes, loss, chi2: None, annealer, asked: false }, unknown })
+        Ok(Self { kept: Kept { name: name.into(), start, wishes, loss, judged: None, chi2: None, annealer, asked: false }, unknown })
+    }
+
+    /// The same by renderings of what is asked.
+    pub fn judged_by(mut self, judged: Asked) -> Self {
+        self.kept.judged = Some(judged);
+        self
     }
 
     /// The search that is kept in a file; `None` if there is no such file.
@@ -117,6 +127,9 @@ impl Search {
         if (&found.kept.wishes, found.kept.loss) != (&self.kept.wishes, self.kept.loss) || (Options { steps: is.steps, ..was }) != *is {
             return other("other options");
         }
+        if found.kept.judged != self.kept.judged {
+            return other("another picture, scene or view");
+        }
         if let Some(steps) = steps {
             found.kept.annealer.set_steps(steps);
         }
@@ -127,6 +140,11 @@ impl Search {
     pub fn save(&self, path: &Path) -> Outcome<()> {
         let text = serde_json::to_vec(&self.kept).map_err(|e| Error::new(format!("{}: {e}", path.display())))?;
         Output::whole(Some(path), &text)
+    }
+
+    /// What it makes small.
+    pub fn loss(&self) -> Loss {
+        self.kept.loss
     }
 
     /// What is searched for.
@@ -171,7 +189,7 @@ impl Search {
         self.kept.annealer.propose().map(|values| Ok(self.unknown.document(values)?.bytes())).transpose()
     }
 
-    /// What is known of the best values so far: their chi-squared; of what else the search makes small, before its end, that.
+    /// The measure of the best values so far and its value: chi-squared if that is known, else the loss that the search goes by.
     pub fn measured(&self) -> Option<(Loss, f64)> {
         match self.kept.chi2 {
             Some(chi2) => Some((Loss::Chi2, chi2)),
@@ -209,6 +227,10 @@ impl Search {
     /// Searches to the end: of the search, of the time, or until the user interrupts. Says whether it got to the end that was wished for.
     pub fn run(&mut self, objective: &mut dyn Objective, watch: &Watch) -> Outcome<bool> {
         let annealer = &mut self.kept.annealer;
+        // More time goes on where the last ended.
+        if watch.time.is_some() && annealer.end() == Some(End::Budget) {
+            annealer.set_steps(watch.steps.unwrap_or(annealer.told() + 1));
+        }
         let mut log = watch.log.map(|path| Log::open(path, annealer.told())).transpose()?;
         let interrupted = interrupted();
         let (begin, already) = (Instant::now(), annealer.told());
@@ -258,11 +280,7 @@ impl Search {
         }
         watch.state.map_or(Ok(()), |path| self.save(path))?;
         let annealer = &self.kept.annealer;
-        Ok(match annealer.end() {
-            None => false,
-            Some(End::Tolerance) => true,
-            Some(End::Converged | End::Budget) => annealer.options().tolerance.is_none(),
-        })
+        Ok(annealer.end().is_some() && (annealer.options().tolerance.is_none() || self.lack().is_none()))
     }
 }
 
@@ -306,11 +324,10 @@ fn line(annealer: &Annealer, unknown: &Unknown, loss: Loss, value: f64) -> Strin
 /// How far the search is, on a line.
 fn progress(annealer: &Annealer, loss: Loss) -> String {
     let Some(best) = annealer.best() else { return String::new() };
-    let digits = |x: f64| Number(format!("{x:.4e}").parse().unwrap_or(x)).to_string();
-    let names = annealer.parameters().iter().zip(&best.values).map(|(p, value)| format!("{} {}", p.name, digits(*value)));
+    let names = annealer.parameters().iter().zip(&best.values).map(|(p, value)| format!("{} {}", p.name, six(*value)));
     let phase = annealer.phase().map_or_else(String::new, |phase| format!("{phase:?}").to_lowercase());
     let (told, steps, measure) = (annealer.told(), annealer.options().steps, loss.name());
-    format!("{told}/{steps} {phase} {measure} {} {}", digits(best.chi2), names.collect::<Vec<_>>().join(" "))
+    format!("{told}/{steps} {phase} {measure} {} {}", six(best.chi2), names.collect::<Vec<_>>().join(" "))
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use crate::anneal::Parameter;
 use crate::anneal::linear::Symmetric;
 use crate::error::Result;
 use crate::rad::Number;
-use crate::unknown::Unknown;
+use crate::unknown::{COLORS, Unknown};
 
 /// Values of an unknown, and what there is to say of them.
 pub struct Answer<'a> {
@@ -33,13 +33,14 @@ impl<'a> Answer<'a> {
             if let Some((side, bound)) = ends.into_iter().find(|(_, end)| (*value - end).abs() < AT_BOUND * p.range()) {
                 *value = bound;
                 // No number of a material is less than nothing, and nothing lets more light through than there is.
-                let clear = bound == 1.0 && ["dielectric", "glass"].contains(&unknown.material().kind.as_str());
-                if bound != 0.0 && !clear {
+                let all =
+                    bound == 1.0 && COLORS.1.contains(&&p.name[..]) && ["dielectric", "glass"].contains(&unknown.material().kind.as_str());
+                if bound != 0.0 && !all {
                     let beyond = "if it may lie beyond, give --param";
                     doubts.push(format!("{} is at its {side} bound {}; {beyond} {0}=START:LOW:HIGH", p.name, Number(bound)));
                 }
             } else if let Some(judgement) = judgement.as_ref().filter(|j| j.errors[i] > 0.0) {
-                *value = format!("{value:.0$}", decimals(judgement.errors[i]) + KEPT).parse().unwrap_or(*value);
+                *value = format!("{value:.0$}", decimals(judgement.errors[i]) + KEPT).parse().unwrap_or(*value).clamp(p.low, p.high);
             }
         }
         Self { unknown, values: rounded, judgement, doubts }

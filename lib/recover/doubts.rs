@@ -9,7 +9,7 @@ use super::sheet::COMMON;
 use crate::anneal::Parameter;
 use crate::anneal::linear::Symmetric;
 use crate::render::WIDEST;
-use crate::unknown::{EXPOSURES, ROUGHNESSES, Unknown};
+use crate::unknown::{COLORS, EXPOSURES, ROUGHNESSES, Unknown};
 
 /// What is known of the errors of some values.
 pub struct Known<'a> {
@@ -90,7 +90,7 @@ pub fn judge(unknown: &Unknown, values: &[f64], known: &Known) -> Judgement {
         let goes =
             |i: &usize| *i != pivot && standings[*i] == Standing::Determined && !alone(*i) && correlations.at(*i, pivot).abs() >= TOGETHER;
         let partners: Vec<usize> = if alone(pivot) { vec![] } else { (0..n).filter(goes).collect() };
-        let exposure = |i: &&usize| parameters[**i].name.starts_with(EXPOSURES[0]);
+        let exposure = |i: &&usize| EXPOSURES.contains(&&parameters[**i].name[..]);
         let help = remedy(unknown, values, partners.iter().find(exposure).copied().unwrap_or(pivot));
         if partners.is_empty() {
             standings[pivot] = Standing::Open;
@@ -166,6 +166,9 @@ fn lusterless(unknown: &Unknown, values: &[f64], seen: &Symmetric) -> bool {
 /// The largest specularity, its error included, at which a surface counts as dull.
 const FAINT: f64 = 0.05;
 
+/// A specularity below this is hardly any.
+const DULL: f64 = 0.003;
+
 /// `red, green and spec are not determined by themselves, only together: red + 0.41 spec = 0.641 ± 0.012, green + …`.
 fn together(parameters: &[Parameter], values: &[f64], covariance: &Symmetric, pivot: usize, partners: &[usize]) -> String {
     let name = |i: usize| parameters[i].name.as_str();
@@ -192,13 +195,15 @@ fn remedy(unknown: &Unknown, values: &[f64], i: usize) -> &'static str {
     let parameters = unknown.parameters();
     let spec = unknown.material().type_of().and_then(|t| t.parameter("spec")).map(|at| unknown.reals(values)[at]);
     match parameters[i].name.as_str() {
-        "rough" | "urough" | "vrough" if spec.is_some_and(|spec| spec < 0.003) => "there is hardly any specular reflection to tell it by",
-        "spec" | "rough" | "urough" | "vrough" => {
+        name if ROUGHNESSES.contains(&name) && spec.is_some_and(|spec| spec < DULL) => {
+            "there is hardly any specular reflection to tell it by"
+        }
+        name if name == "spec" || ROUGHNESSES.contains(&name) => {
             "a small lamp whose highlight the camera sees, or other light with sharp edges, would tell"
         }
         "trans" | "tspec" => "a small lamp or something with sharp edges seen through it would tell",
         "ior" => "something with sharp edges seen through it, or a small lamp, would tell",
-        "red" | "green" | "blue" => "light of that colour where the camera sees the object, or through it, would tell",
+        name if COLORS.1.contains(&name) => "light of that colour where the camera sees the object, or through it, would tell",
         name if EXPOSURES.contains(&name) => {
             "a grey card in the picture would tell the exposure, and something that is known of the material would"
         }

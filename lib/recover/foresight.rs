@@ -13,7 +13,7 @@ use super::scores::Evaluation;
 use super::sheet::{COMMON, Sheet, joined};
 use crate::color::Rgb;
 use crate::geometry::Ray;
-use crate::sampling::{Sampler, mix64};
+use crate::sampling::Sampler;
 use crate::scene::MaterialId;
 use crate::vector::Vec3;
 use crate::vector::angle::sin_cos;
@@ -44,7 +44,7 @@ pub fn telling(evidence: &Evidence, material: MaterialId, roughness: [f64; 2], p
     let foreseen = |n: &usize| {
         let mut sums = [Rgb::ZERO; 3];
         for index in 0..POINTS {
-            let mut sampler = Sampler::new(mix64(0), *n as u64, 0, index);
+            let mut sampler = Sampler::new(0, *n as u64, 0, index);
             let (at, turn) = (sampler.pair(), sampler.single());
             let Some((origin, direction, limit)) = lens(*n, at) else { continue };
             let ray = Ray { origin, direction };

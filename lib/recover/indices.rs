@@ -203,7 +203,7 @@ impl<'a> Means<'a> {
             let floor = weight * self.floor;
             let channel = |(x, (target, sums)): (&Vec<f64>, (&f64, &[f64]))| {
                 let model: f64 = x.iter().zip(sums).map(|(x, s)| x * s).sum();
-                ((target + floor) / (model.max(0.0) + floor)).ln().powi(2)
+                ((target.max(0.0) + floor) / (model.max(0.0) + floor)).ln().powi(2)
             };
             (*weight, x.iter().zip(target.iter().zip(sums.chunks(sums.len() / 3))).map(channel).sum())
         })

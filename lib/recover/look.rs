@@ -5,7 +5,7 @@ use super::enough::More;
 use super::fit::{Valley, derivatives};
 use super::misfit::misfit;
 use super::scores::{BOUNDINGS, Evaluation, STEPS, Scores, Way, influence, pictures, products, total};
-use super::sheet::{Channels, Sheet, weight};
+use super::sheet::{Channels, Sheet, mean, weight};
 use super::{Effort, Evidence, Recovery, Seeds};
 use crate::anneal::Parameter;
 use crate::anneal::linear::Symmetric;
@@ -33,8 +33,8 @@ pub trait Model: Sync {
     /// The nearest values at which the model can be trusted.
     fn trusted(&self, values: &[f64]) -> Vec<f64>;
 
-    /// The values whose derivatives are so much noise that their standard errors say little, each with all that it may be, rising, as far as the
-    /// model goes.
+    /// The parameters whose derivatives are so much noise that their standard errors say little: the place of each, and all values that it may
+    /// have, rising, as far as the model goes.
     fn doubtful(&self, clarity: &[f64]) -> Vec<(usize, Vec<f64>)>;
 
     /// How much each pixel tells of what is to be known, as far as that can be foreseen; a seed fixes what is left to chance.
@@ -435,13 +435,13 @@ impl Valley for Whole<'_> {
 
     fn chi2(&self, values: &[f64]) -> f64 {
         let halves = pictures(self.basis, &[self.model.coefficients(values)]).swap_remove(0);
-        let rest = |p: usize, c: usize| self.target[p][c] as f64 - 0.5 * (halves[0][p][c] + halves[1][p][c]);
+        let rest = |p: usize, c: usize| self.target[p][c] as f64 - mean(&halves, p, c);
         total(self.target.len(), 1, |p, sum| sum[0] += (0..3).map(|c| weight(self.weights, p, c) * rest(p, c).powi(2)).sum::<f64>())[0]
     }
 
     fn normal_equations(&self, values: &[f64]) -> (Vec<f64>, Symmetric) {
         let Evaluation { halves, derivatives, .. } = Evaluation::new(self.model, self.basis, values, self.bounds);
-        products(self.weights, &derivatives, |p, c| 0.5 * (halves[0][p][c] + halves[1][p][c]) - self.target[p][c] as f64)
+        products(self.weights, &derivatives, |p, c| mean(&halves, p, c) - self.target[p][c] as f64)
     }
 }
 

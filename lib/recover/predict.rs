@@ -5,7 +5,7 @@ use super::look::Model;
 use super::model::Kind;
 use super::rough::{self, Sought};
 use super::scores::{Evaluation, Scores};
-use super::sheet::{COMMON, Channels, Sheet, Weights};
+use super::sheet::{COMMON, Channels, Sheet, Weights, mean};
 use super::{Evidence, clear, supported};
 use crate::anneal::linear::Symmetric;
 use crate::error::Result;
@@ -79,7 +79,7 @@ fn by(model: &mut dyn Model, evidence: &Evidence, unknown: &Unknown, pixels: &[u
     let (width, height) = (evidence.film.width, evidence.film.height);
     let mut target = Picture { width, height, header: Header::default(), pixels: vec![[0.0; 3]; width * height] };
     for (i, &n) in pixels.iter().enumerate() {
-        target.pixels[n] = std::array::from_fn(|c| (0.5 * (halves[0][i][c] + halves[1][i][c])).max(0.0) as f32);
+        target.pixels[n] = std::array::from_fn(|c| mean(halves, i, c).max(0.0) as f32);
     }
     let evidence = Evidence { target: &target, steps: None, ..*evidence };
     let sheet = Sheet::new(&evidence, pixels);

@@ -142,10 +142,10 @@ impl<'a> Stage<'a> {
         self.kind.polished || self.middle[0].max(self.middle[1]) < SHARP
     }
 
-    /// The axes whose roughness is unknown, and its place among the parameters.
+    /// The axes whose roughness is unknown, and its place among the parameters; one axis where both have the same.
     fn axes(&self) -> impl Iterator<Item = (usize, usize)> {
-        let count = if self.kind.anisotropic { 2 } else { 1 };
-        slots(self.kind, self.unknown).into_iter().take(count).enumerate().filter_map(|(axis, slot)| Some((axis, slot?)))
+        let [u, v] = slots(self.kind, self.unknown);
+        [u, v.filter(|_| v != u)].into_iter().enumerate().filter_map(|(axis, slot)| Some((axis, slot?)))
     }
 }
 

@@ -2,7 +2,7 @@
 
 mod covariance;
 
-use super::sheet::{Channels, Half, Sheet, Weights, weight};
+use super::sheet::{Channels, Half, Sheet, Weights, mean, weight};
 use crate::anneal::anywhere;
 use crate::anneal::linear::Symmetric;
 use crate::transport::{Basis, Mixture};
@@ -40,7 +40,7 @@ pub fn products(weights: &[Channels; 2], derivatives: &[Vec<Half>], rest: impl F
     let sums = total(weights[0].len(), n + n * n, |p, sums| {
         for c in 0..3 {
             let (w, rest) = (weight(weights, p, c), rest(p, c));
-            let d = |i: usize| 0.5 * (derivatives[i][0][p][c] + derivatives[i][1][p][c]);
+            let d = |i: usize| mean(&derivatives[i], p, c);
             for i in 0..n {
                 let wd = w * d(i);
                 sums[i] += wd * rest;

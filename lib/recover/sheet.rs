@@ -1,6 +1,7 @@
 //! How much each pixel can be trusted.
 
 use super::Evidence;
+use crate::metric::EPSILON;
 use crate::transport::Basis;
 use rayon::prelude::*;
 use std::f64::consts::PI;
@@ -117,13 +118,14 @@ impl<'a> Sheet<'a> {
         self.sums(values, reach as isize, share).map(|(sum, _)| sum).collect()
     }
 
-    /// The values of the pixels on the four sides of one; the target's where they are not in the sheet. None of what is masked.
+    /// The values of the pixels on the four sides of one; the target's where they are not in the sheet. None of what is masked, or no number.
     pub fn beside(&self, i: usize, values: &Half) -> Vec<[f64; 3]> {
         let (x, y) = self.place(self.numbers[i]);
         let (width, height) = (self.evidence.film.width, self.evidence.film.height);
         let sides = [(x.wrapping_sub(1), y), (x + 1, y), (x, y.wrapping_sub(1)), (x, y + 1)];
         let inside = sides.into_iter().filter(|(u, v)| *u < width && *v < height).map(|(u, v)| v * width + u);
         let seen = inside.filter(|&n| self.evidence.mask.is_none_or(|mask| mask[n] > 0.0));
+        let seen = seen.filter(|&n| self.evidence.target.pixels[n].iter().all(|v| v.is_finite()));
         seen.map(|n| match self.places[n] {
             u32::MAX => self.evidence.target.pixels[n].map(f64::from),
             place => values[place as usize],
@@ -168,8 +170,8 @@ impl<'a> Sheet<'a> {
 
     fn relatively(&self) -> Channels {
         let target: Vec<[f64; 3]> = self.target.iter().map(|t| t.map(f64::from)).collect();
-        let floor = 0.1 * self.level;
-        self.blurred(&target, 2).into_iter().enumerate().map(|(i, t)| self.masked(i, t.map(|v| (v + floor).powi(-2)))).collect()
+        let floor = EPSILON.sqrt() * self.level;
+        self.blurred(&target, 2).into_iter().enumerate().map(|(i, t)| self.masked(i, t.map(|v| (v.max(0.0) + floor).powi(-2)))).collect()
     }
 
     /// The variance of one sample of each pixel, as each half has it: by how the samples of that half differ, and by those of its neighbours, for
@@ -216,8 +218,7 @@ impl<'a> Sheet<'a> {
                 let share = 1.0 / photographed + own(1 - half);
                 std::array::from_fn(|c| 1.0 / (variances[half][i][c] * share + (COMMON * mean[i][c]).powi(2) + floor))
             });
-            let rest = |c: usize, half: usize| self.target[i][c] as f64 - halves[half][i][c];
-            let off = (0..3).map(|c| 0.5 * (weights[0][c] + weights[1][c]) * rest(c, 0) * rest(c, 1)).sum::<f64>() / 3.0;
+            let off = (0..3).map(|c| 0.5 * (weights[0][c] + weights[1][c]) * self.cross(halves, i, c)).sum::<f64>() / 3.0;
             let limit = (OUTLIER * (1.0 + OWN * 0.25 * inverses(samples, i) * photographed)).powi(2);
             let kept = (off / limit).max(1.0).sqrt().recip();
             (weights.map(|weight| self.masked(i, weight.map(|w| w * kept))), kept as f32)
@@ -235,7 +236,7 @@ impl<'a> Sheet<'a> {
         }
         let deviation = |i: usize, c: usize| {
             let step = self.step(i, c);
-            let (square, noise) = (step * step / 12.0, 0.5 * (variances[0][i][c] + variances[1][i][c]) / photographed);
+            let (square, noise) = (step * step / 12.0, mean(variances, i, c) / photographed);
             let both_sides = -2.0 * (PI / step).powi(2) * (noise - square).max(0.0);
             if step > 0.0 { (square.sqrt() * both_sides.exp()) as f32 } else { 0.0 }
         };
@@ -256,9 +257,8 @@ impl<'a> Sheet<'a> {
         let (mut noise, mut rest) = (0.0, 0.0);
         for (i, w) in self.relative.iter().enumerate() {
             for c in 0..3 {
-                let t = self.target[i][c] as f64;
-                noise += w[c] as f64 * 0.5 * (variances[0][i][c] + variances[1][i][c]);
-                rest += w[c] as f64 * (t - halves[0][i][c]) * (t - halves[1][i][c]);
+                noise += w[c] as f64 * mean(variances, i, c);
+                rest += w[c] as f64 * self.cross(halves, i, c);
             }
         }
         (noise / rest.max(f64::MIN_POSITIVE)).clamp(TARGET_SAMPLES.0, TARGET_SAMPLES.1)
@@ -270,7 +270,12 @@ pub fn weight(weights: &[Channels; 2], p: usize, c: usize) -> f64 {
     0.5 * (weights[0][p][c] + weights[1][p][c]) as f64
 }
 
-/// How much the halves of a pixel differ by the samples that they have: the sum of one over each.
+/// The mean of both halves at a channel of a pixel.
+pub fn mean(halves: &[Half], p: usize, c: usize) -> f64 {
+    0.5 * (halves[0][p][c] + halves[1][p][c])
+}
+
+/// The variance of the difference of a pixel's halves, in terms of that of one sample.
 fn inverses(samples: &[f32], pixel: usize) -> f64 {
     1.0 / samples[2 * pixel] as f64 + 1.0 / samples[2 * pixel + 1] as f64
 }

@@ -36,7 +36,7 @@ pub(super) struct Drawn<const L: usize> {
     pub left: Nodes<L>,
 }
 
-/// Where all exponents are beyond this, the densities are nothing.
+/// Where all exponents are beyond this, the densities are nothing: one more than where [`decay`] is 0, for what `f32` rounds.
 const NOTHING: f64 = 88.0;
 
 fn lanes(roughnesses: &[Alpha]) -> Vec<Lanes> {

@@ -17,7 +17,8 @@ use crate::world::Layer;
 use std::f64::consts::PI;
 use wide::f32x8;
 
-/// How often a path may meet the unknown. What is left out beyond is below .2 % on strongly concave objects.
+/// How often a path may meet the unknown before its coefficients are taken for those of [`Rough::guess`]. Without a guess it ends there: what is
+/// left out is below .2 % on strongly concave objects.
 pub const ORDER: usize = 3;
 
 /// The same of one that is polished, which needs few nodes: light goes straight through closed bodies, and meets them again and again.

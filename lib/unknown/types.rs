@@ -15,7 +15,7 @@ pub const TYPES: [(&str, &[f64]); 5] = [
 
 impl Unknown {
     /// The unknown of a scene file, taken for `kind`, one of [`TYPES`]. What is wished of parameters that it does not have is left out.
-    pub fn taken_for(kind: &str, document: &Document, wishes: &Wishes) -> Result<Self> {
+    fn taken_for(kind: &str, document: &Document, wishes: &Wishes) -> Result<Self> {
         let (document, wishes) = retyped(kind, document, wishes)?;
         Self::new(document, &wishes)
     }

@@ -3,6 +3,7 @@
 use inverad::args::anneal::{Arguments, Job, SearchOptions};
 use inverad::cli::auto::opened;
 use inverad::cli::exec::{Exec, last_number};
+use inverad::cli::kept::Asked;
 use inverad::cli::photo::{Direct, Photo};
 use inverad::cli::predict::predict;
 use inverad::cli::recovery::recover;
@@ -10,7 +11,6 @@ use inverad::cli::report;
 use inverad::cli::search::{Objective, Search, Watch};
 use inverad::cli::{self, Answer, Console, Input, Outcome, Output};
 use inverad::error::Error;
-use std::path::Path;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
@@ -25,12 +25,13 @@ fn run(arguments: Arguments, console: &Console) -> Outcome<Answer> {
         Job::Search(start) => search(&start, &arguments, console),
         Job::Propose(state, start) => {
             let mut search = match start {
-                Some(start) => begin(&start, &arguments, Some(&state))?,
+                Some(start) => begin(&start, &arguments)?.taken_up(&state, arguments.search.steps)?,
                 None => Search::kept(&state)?,
             };
+            let candidate = search.proposal()?;
             search.ask();
             search.save(&state)?;
-            match search.proposal()? {
+            match candidate {
                 Some(candidate) => Output::whole(output, &candidate).map(|()| Answer::Yes),
                 None => found(&search, None, &arguments, console).map(|()| Answer::No),
             }
@@ -53,14 +54,14 @@ fn search(start: &str, arguments: &Arguments, console: &Console) -> Outcome<Answ
     let photo = &arguments.photo;
     match (&arguments.judge.exec, &photo.target) {
         (Some(command), _) => {
-            let search = begin(start, arguments, arguments.search.state.as_deref())?;
+            let search = begin(start, arguments)?;
             let unknown = search.unknown().clone();
             anneal(search, &mut Exec::new(command, &unknown)?, None, arguments, console)
         }
         (None, Some(target)) if photo.direct => {
-            let search = begin(start, arguments, arguments.search.state.as_deref())?;
-            let unknown = search.unknown().clone();
-            let photo = Photo::new(&unknown, Some(target), arguments, console)?;
+            let search = begin(start, arguments)?;
+            let photo = Photo::new(search.unknown(), Some(target), arguments, console)?;
+            let search = search.judged_by(Asked::judged(arguments, photo.read()));
             anneal(search, &mut Direct::new(&photo, arguments.loss())?, Some(&photo), arguments, console)
         }
         (None, Some(target)) => recover(start, target, arguments, console),
@@ -72,15 +73,13 @@ fn search(start: &str, arguments: &Arguments, console: &Console) -> Outcome<Answ
     }
 }
 
-/// Searches for the unknown with someone who judges each candidate.
-fn anneal(
-    mut search: Search,
-    judge: &mut dyn Objective,
-    photo: Option<&Photo>,
-    arguments: &Arguments,
-    console: &Console,
-) -> Outcome<Answer> {
+/// Searches for the unknown with someone who judges each candidate; where the state keeps the search, from as far as it got.
+fn anneal(search: Search, judge: &mut dyn Objective, photo: Option<&Photo>, arguments: &Arguments, console: &Console) -> Outcome<Answer> {
     let SearchOptions { state, log, steps, .. } = &arguments.search;
+    let mut search = match state {
+        Some(state) => search.taken_up(state, *steps)?,
+        None => search,
+    };
     let watch = Watch { state: state.as_deref(), log: log.as_deref(), time: arguments.time(), steps: *steps, console };
     let reached = search.run(judge, &watch)?;
     found(&search, photo, arguments, console)?;
@@ -88,14 +87,10 @@ fn anneal(
     Ok(if reached { Answer::Yes } else { Answer::No })
 }
 
-/// The search for the unknown of a file; where the state keeps it, as far as it got.
-fn begin(start: &str, arguments: &Arguments, state: Option<&Path>) -> Outcome<Search> {
+/// The search for the unknown of a file.
+fn begin(start: &str, arguments: &Arguments) -> Outcome<Search> {
     let (document, wishes) = opened(start, arguments)?;
-    let search = Search::new(&document.source.name, document.bytes(), wishes, arguments.loss(), arguments.options()?)?;
-    Ok(match state {
-        Some(state) => search.taken_up(state, arguments.search.steps)?,
-        None => search,
-    })
+    Ok(Search::new(&document.source.name, document.bytes(), wishes, arguments.loss(), arguments.options()?)?)
 }
 
 fn found(search: &Search, photo: Option<&Photo>, arguments: &Arguments, console: &Console) -> Outcome<()> {

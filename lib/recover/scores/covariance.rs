@@ -2,7 +2,7 @@
 
 use super::{Scores, add_square, times, total};
 use crate::anneal::linear::Symmetric;
-use crate::recover::sheet::{Alike, COMMON, weight};
+use crate::recover::sheet::{Alike, COMMON, mean, weight};
 use rayon::prelude::*;
 
 /// The most of a pixel's error that values are taken to follow.
@@ -64,7 +64,7 @@ impl Scores<'_> {
 
     /// What asks for a parameter at a channel of a pixel.
     fn instrument(&self, i: usize, p: usize, c: usize) -> f64 {
-        self.trust[i][p] * 0.5 * (self.here.derivatives[i][0][p][c] + self.here.derivatives[i][1][p][c])
+        self.trust[i][p] * mean(&self.here.derivatives[i], p, c)
     }
 
     /// What an error of the picture that is as large a part of each value as [`COMMON`] does to the values, where its signs do most harm:
@@ -73,7 +73,7 @@ impl Scores<'_> {
     /// Standard errors take the errors of pixels for independent, so that thousands of pixels can tell a value by changes of a thousandth.
     /// Those of a shape, of a measured light, of the formula of a lobe are not, and no number of pixels averages them out.
     pub fn common(&self) -> Symmetric {
-        let value = |p: usize, c: usize| 0.5 * (self.here.halves[0][p][c] + self.here.halves[1][p][c]).abs();
+        let value = |p: usize, c: usize| mean(&self.here.halves, p, c).abs();
         let (squares, sizes) = self.moved(|p, c| COMMON * value(p, c) * weight(&self.weights.halves, p, c));
         let correlations = squares.correlations();
         // What does not move goes together with nothing.
