@@ -89,6 +89,13 @@ pub struct Point {
     pub bends: bool,
 }
 
+impl Point {
+    /// The direction to the viewer, mirrored at a unit normal.
+    pub fn mirrored(&self, normal: Vec3) -> Vec3 {
+        normal * (2.0 * normal.dot(self.to_viewer)) - self.to_viewer
+    }
+}
+
 /// A rough lobe: its colour and its two roughnesses.
 #[derive(Clone, Copy, Debug)]
 pub struct Lobe {
@@ -192,8 +199,7 @@ impl Bsdf {
             bsdf.deltas[1] = Some(Delta { direction, coefficient: straight, reflected: false, medium: None });
         }
         if reflected != Rgb::ZERO {
-            let Vec3 { x, y, z } = bsdf.to_viewer;
-            let direction = bsdf.to_world(Vec3::new(-x, -y, z));
+            let direction = point.mirrored(point.shading);
             bsdf.deltas[0] = Some(Delta { direction, coefficient: reflected, reflected: true, medium: None });
         }
         bsdf.diffuse = [m.diffuse[!point.front as usize] * pattern, m.through * pattern];
@@ -240,9 +246,8 @@ impl Bsdf {
 
     /// The mirror direction, world: at the bent normal, unless that would lead through the surface.
     pub fn mirror(&self, point: &Point) -> Vec3 {
-        let at = |normal: Vec3| normal * (2.0 * normal.dot(point.to_viewer)) - point.to_viewer;
-        let direction = at(point.shading);
-        if self.bent && direction.dot(point.geometric) <= TINY { at(point.geometric) } else { direction }
+        let direction = point.mirrored(point.shading);
+        if self.bent && direction.dot(point.geometric) <= TINY { point.mirrored(point.geometric) } else { direction }
     }
 
     /// The local form of a world direction.
@@ -403,14 +408,17 @@ impl Bsdf {
         (self.passes(wi) && (wi.z < 0.0) as usize == part.side()).then_some(wi)
     }
 
-    /// The density per solid angle with which [`Bsdf::sample`] draws `wi` from `part`, before rejection.
+    /// The density per solid angle with which [`Bsdf::sample`] draws `wi` from `part`, before rejection; a lobe of ashik2, which is only sampled
+    /// by [`Bsdf::unweighted`], has none.
     pub fn pdf(&self, part: Part, wi: Vec3) -> f64 {
         if (wi.z < 0.0) as usize != part.side() {
             return 0.0;
         }
         match part {
             Part::DiffuseReflection | Part::DiffuseTransmission => wi.z.abs() / PI,
-            Part::SpecularReflection => self.lobes[0].map_or(0.0, |l| reflection_pdf(l.alpha, self.to_viewer, wi)),
+            Part::SpecularReflection => {
+                self.lobes[0].filter(|l| l.form == LobeForm::Gaussian).map_or(0.0, |l| reflection_pdf(l.alpha, self.to_viewer, wi))
+            }
             Part::SpecularTransmission => self.lobes[1].map_or(0.0, |l| self.through_pdf(&l, wi)),
         }
     }

@@ -112,8 +112,8 @@ impl fmt::Display for Error {
         // Show at most a screen's width around the place.
         let skip = (column - 1).saturating_sub(60);
         let shown: String = text.chars().skip(skip).take(120).collect();
-        let width =
-            place.source.text[place.start..].chars().take(place.end.saturating_sub(place.start)).take_while(|c| !c.is_whitespace()).count();
+        let marked = place.source.text.get(place.start..place.end).unwrap_or_default();
+        let width = marked.chars().take_while(|c| !c.is_whitespace()).count();
         let caret = "^".repeat(width.clamp(1, 60));
         write!(f, "\n  {}\n  {}{caret}", printable(&shown), " ".repeat(column - 1 - skip))
     }

@@ -11,7 +11,7 @@ mod reflect;
 mod sample;
 mod shape;
 
-pub use light::{Facing, LightShape, SPHERE_BOX};
+pub use light::{CYLINDER_BOX, Facing, LightShape, SPHERE_BOX};
 pub use mesh::Mesh;
 pub use polygon::Polygon;
 pub use quadric::{Cone, Ring, Sphere};

@@ -3,7 +3,7 @@
 //! A lamp is a surface or a distant source whose material is a light, a spotlight, an illum, or a glow with a radius. Directions
 //! point from the lit point to the lamp. How bright it is there is the world's to say.
 
-use crate::geometry::{AreaSampler, Facing, LightShape, Plane, Ray, SPHERE_BOX, Shape, TINY};
+use crate::geometry::{AreaSampler, CYLINDER_BOX, Facing, LightShape, Plane, Ray, SPHERE_BOX, Shape, TINY};
 use crate::sampling::cone;
 use crate::vector::{Frame, Vec3};
 use std::f64::consts::PI;
@@ -154,6 +154,7 @@ impl Lamp {
                 let ([u, v], w) = (draw(), if matches!(self.extent.facing, Facing::Front(_)) { 0.5 } else { draw()[0] });
                 at = std::array::from_fn(|i| middle[i] + jitter * (1.0 - 2.0 * [u, v, w][i]) * size[i]);
             }
+            // RADIANCE (srcsamp.c) draws what is undivided in only if it is jittered by more than this.
             if self.extent.round && (parts.count > 1 || jitter > 0.7) {
                 at = self.rounded(at);
             }
@@ -216,13 +217,12 @@ impl Lamp {
                 Form::Distant(_, spread) => 2.0 * PI * spread,
                 Form::Shape(surface) => {
                     let (shape, area) = &**surface;
-                    let size = (shape.bounds().max - shape.bounds().min).length_squared() / 4.0;
-                    let distance = self.extent.center.distance_squared(from);
+                    let bounds = shape.bounds();
                     // Beyond its radius a glow lights nothing, whatever point of it is taken.
-                    if self.radius.is_finite() && distance.sqrt() > self.radius + size.sqrt() {
+                    if from.distance(from.clamp(bounds.min, bounds.max)) > self.radius {
                         0.0
                     } else {
-                        area.area() / distance.max(size)
+                        area.area() / self.extent.center.distance_squared(from).max((bounds.max - bounds.min).length_squared() / 4.0)
                     }
                 }
             }
@@ -283,7 +283,8 @@ impl Parts {
             }
             Facing::Across(axis) => {
                 let (across, far) = (to.cross(axis).length_squared(), u.length_squared() * 4.0 / (fraction * fraction));
-                let near = 1.365 * v.length_squared();
+                // The square of its radius.
+                let near = v.length_squared() / CYLINDER_BOX.powi(2);
                 if across <= near {
                     parts.count = 0;
                 } else if across > 4.0 * near && to.length_squared() < far {

@@ -147,6 +147,11 @@ impl Primitive {
         self.word_span(if i < self.written_strings() { 3 + i } else { 1 }).error(message)
     }
 
+    /// The error, at string argument `i` if it has no place yet.
+    pub fn at_string(&self, i: usize, error: Error) -> Error {
+        if error.place.is_some() { error } else { self.string_error(i, error.message) }
+    }
+
     /// An error at real argument `i`, counted from 0.
     pub fn real_error(&self, i: usize, message: impl Into<String>) -> Error {
         self.real_span(i).error(message)

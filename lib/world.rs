@@ -287,14 +287,13 @@ impl World {
 
     /// One of the lamps, and a direction to it. `choice` and `u` are uniform in [0, 1).
     pub fn sample_lamp(&self, from: Vec3, choice: f64, u: [f64; 2]) -> Option<Aimed> {
-        let total: f64 = self.lamps.iter().map(|l| l.importance(from)).sum();
-        let mut left = choice * total;
+        let mut left = choice * self.importance(from);
         let lamp = self.lamps.iter().position(|l| {
             left -= l.importance(from);
             left < 0.0
         })?;
         let to = self.lamps[lamp].sample(from, u)?;
-        let pdf = self.lamps[lamp].importance(from) / total / to.omega;
+        let pdf = self.chosen(lamp, from) / to.omega;
         Some(Aimed { lamp, to, pdf, shared: self.lamps[lamp].shared })
     }
 
@@ -304,9 +303,17 @@ impl World {
         if !l.shared {
             return 0.0;
         }
-        let choice =
-            if self.lamps.len() == 1 { 1.0 } else { l.importance(from) / self.lamps.iter().map(|l| l.importance(from)).sum::<f64>() };
-        choice * l.pdf(from, direction)
+        self.chosen(lamp, from) * l.pdf(from, direction)
+    }
+
+    /// The probability with which [`World::sample_lamp`] chooses a lamp.
+    fn chosen(&self, lamp: usize, from: Vec3) -> f64 {
+        if self.lamps.len() == 1 { 1.0 } else { self.lamps[lamp].importance(from) / self.importance(from) }
+    }
+
+    /// That of all lamps ([`Lamp::importance`]).
+    fn importance(&self, from: Vec3) -> f64 {
+        self.lamps.iter().map(|l| l.importance(from)).sum()
     }
 
     /// Whether directions are aimed at the environment.

@@ -125,9 +125,11 @@ fn parts_join_to_the_bytes_of_the_whole() {
         let joined = |parts: &[&String], out: &str| {
             run(&[&["--merge", "-o", out][..], &parts.iter().map(|p| p.as_str()).collect::<Vec<_>>()].concat())
         };
-        let output = joined(&[&parts[2], &parts[0], &parts[3], &parts[1]], &at("joined.exr"));
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-        assert!(std::fs::read(at("joined.exr")).unwrap() == std::fs::read(at("whole.exr")).unwrap(), "-pj {jitter}");
+        for order in [[2, 0, 3, 1], [1, 3, 0, 2]] {
+            let output = joined(&order.map(|part| &parts[part]), &at("joined.exr"));
+            assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+            assert!(std::fs::read(at("joined.exr")).unwrap() == std::fs::read(at("whole.exr")).unwrap(), "-pj {jitter}, {order:?}");
+        }
 
         let refused = |parts: &[&String], why: &str| {
             let output = joined(parts, &at("no.exr"));

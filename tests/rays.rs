@@ -189,6 +189,22 @@ fn a_mesh_with_a_modifier_needs_none_of_the_materials_that_its_file_names() {
 }
 
 #[test]
+fn what_a_mesh_file_names_is_what_that_means_where_the_mesh_stands() {
+    let directory = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| std::fs::write(directory.path().join(name), text).unwrap();
+    write("t.obj", "v -1 -1 0\nv 1 -1 0\nv 0 2 0\nusemtl body\nf 1 2 3\n");
+    write(
+        "s.rad",
+        "void glow body 0 0 4 1 0 0 0\nvoid mesh a 1 t.obj 0 0\nvoid glow body 0 0 4 0 1 0 0\nvoid mesh b 5 t.obj -t 5 0 0 0 0\n",
+    );
+    let told = run(directory.path(), &["-h", "-ab", "0", "s.rad"], b"0 0 5 0 0 -1 5 0 5 0 0 -1").stdout;
+    assert_eq!(
+        String::from_utf8(told).unwrap(),
+        "1.000000e+00\t0.000000e+00\t0.000000e+00\t\n0.000000e+00\t1.000000e+00\t0.000000e+00\t\n"
+    );
+}
+
+#[test]
 fn an_instance_with_a_modifier_shows_what_has_none_itself() {
     let directory = tempfile::tempdir().unwrap();
     let write = |name: &str, bytes: &[u8]| std::fs::write(directory.path().join(name), bytes).unwrap();

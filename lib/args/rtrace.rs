@@ -110,7 +110,7 @@ pub struct PictureOptions {
     #[arg(long = "pj", value_name = "F")]
     pub pj: Option<f64>,
 
-    /// Instead, a pixel weighs light by a Gaussian of this radius in pixels around its centre, as pfilt -r does; 0 is the box
+    /// A pixel weighs light by a Gaussian of this radius in pixels around its centre, as pfilt -r does; 0 is the box [default: by -pj]
     #[arg(long, value_name = "R", conflicts_with = "pj", value_parser = radius)]
     pub filter: Option<Radius>,
 
@@ -232,11 +232,11 @@ pub struct Light {
     #[arg(long = "ai", value_name = "MOD", action = ArgAction::Append)]
     pub ai: Vec<String>,
 
-    /// The same, for the modifiers listed in a file
+    /// As -ae, for the modifiers listed in a file
     #[arg(long = "aE", value_name = "FILE", action = ArgAction::Append)]
     pub ae_files: Vec<String>,
 
-    /// The same, for the modifiers listed in a file
+    /// As -ai, for the modifiers listed in a file
     #[arg(long = "aI", value_name = "FILE", action = ArgAction::Append)]
     pub ai_files: Vec<String>,
 
@@ -380,7 +380,10 @@ impl Light {
                 return Err(Error::new(format!("{option} must be 0 or more, not {bad}")));
             }
         }
-        if self.lw == Some(0.0) && self.lr.is_some_and(|lr| lr <= 0) {
+        if let Some(bad) = self.dj.filter(|dj| !(0.0..=1.0).contains(dj)) {
+            return Err(Error::new(format!("-dj must be from 0 to 1, not {bad}")));
+        }
+        if self.lw == Some(0.0) && self.lr.is_none_or(|lr| lr <= 0) {
             return Err(Error::new("-lw 0 leaves nothing for roulette to go by; give -lr above 0, or -lw above 0"));
         }
         Ok(())

@@ -27,7 +27,7 @@ const WORDS: [&str; 4] = ["defaults", "pRGB", "pXYZ", "features"];
 const ON: [&str; 4] = ["bv", "dv", "h", "w"];
 
 /// Options that cannot change the result, by clap's names for them.
-const NO_TRACE: [&str; 6] = ["threads", "quiet", "progress", "output", "variance", "aov"];
+const NO_TRACE: [&str; 8] = ["threads", "quiet", "progress", "output", "variance", "aov", "z", "explain"];
 
 /// `@FILE` and `$NAME` that one command line may hold, counting those inside others.
 const MAX_EXPANSIONS: usize = 64;

@@ -24,8 +24,8 @@ impl Bsdf {
             false => Rgb::splat(specular),
         };
         bsdf.loss = if polished { Loss::Polished } else { Loss::None };
-        let share = |part: f64| if part > TINY { m.color * part } else { Rgb::ZERO };
-        bsdf.diffuse = [share(1.0 - transmitted - specular), share(transmitted - straight)];
+        let shares = [1.0 - transmitted - specular, transmitted - straight];
+        bsdf.diffuse = shares.map(|share| if share > TINY { m.color * share } else { Rgb::ZERO });
         bsdf.gather_diffuse(point);
         let straight_on = if point.bends { bend(point) } else { -point.to_viewer };
         bsdf.straight = bsdf.frame.to_local(straight_on);
@@ -47,7 +47,7 @@ impl Bsdf {
         };
         bsdf.lobes = [lobe(m.specularity, specular_color), lobe(straight, m.color * straight)];
         for side in 0..2 {
-            if let Some(lobe) = bsdf.lobes[side].filter(|l| !l.gathers && bsdf.diffuse[side] != Rgb::ZERO) {
+            if let Some(lobe) = bsdf.lobes[side].filter(|l| !l.gathers && shares[side] > TINY) {
                 bsdf.ambient[side] += lobe.color;
             }
         }
@@ -68,7 +68,7 @@ impl Bsdf {
             });
             let gathers = gathers(rules, bright(m.specular));
             bsdf.lobes[0] = Some(Lobe { color, form: LobeForm::Power, alpha, gathers });
-            if !gathers {
+            if !gathers && bright(bsdf.diffuse[0]) > TINY {
                 bsdf.ambient[0] += color;
             }
         }

@@ -49,7 +49,7 @@ impl Bsdf {
         let pane = glass.transmissivity.to_array().map(|t| pane(bsdf.to_viewer.z, glass.index, t));
         let [reflected, transmitted] = [0, 1].map(|way| Rgb::from(pane.map(|p| p[way])));
         let transmitted = if glass.transmissivity.max_element() <= 1e-15 { Rgb::ZERO } else { transmitted * pattern };
-        let direction = point.shading * (2.0 * point.shading.dot(point.to_viewer)) - point.to_viewer;
+        let direction = point.mirrored(point.shading);
         bsdf.deltas[0] = Some(Delta { direction, coefficient: reflected, reflected: true, medium: None });
         if transmitted != Rgb::ZERO {
             let straight = -point.to_viewer;

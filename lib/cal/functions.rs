@@ -1,6 +1,6 @@
 //! The functions every `.cal` text may call, by name, and what they compute.
 //!
-//! A result that does not exist (division by zero, logarithm of a negative number) is NaN, which every operation passes on.
+//! A result that does not exist (division by zero, logarithm of a negative number) is NaN, which every operation passes on, but for a power of 0, which is 1.
 
 use super::noise;
 

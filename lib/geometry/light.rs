@@ -35,7 +35,8 @@ pub enum Facing {
 
 /// How far the edges of the box of a sphere and of a cylinder reach, in radii (measured: `rtrace -oT`).
 pub const SPHERE_BOX: f64 = 0.7236;
-const CYLINDER_BOX: f64 = 0.8559;
+/// See [`SPHERE_BOX`].
+pub const CYLINDER_BOX: f64 = 0.8559;
 
 impl LightShape {
     /// A `source` in the direction `axis` with the solid angle `size`.

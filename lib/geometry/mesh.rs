@@ -59,16 +59,6 @@ impl Mesh {
         Bounds::of(self.positions.iter().copied())
     }
 
-    /// The sum of the areas of its triangles.
-    pub fn area(&self) -> f64 {
-        (0..self.triangles.len() as u32)
-            .map(|t| {
-                let [a, b, c] = self.corners(t);
-                (b - a).cross(c - a).length() / 2.0
-            })
-            .sum()
-    }
-
     /// Refuses a mesh whose parts do not fit together. `name` is what the user knows it by.
     pub fn check(&self, name: &str) -> Result<()> {
         let vertices = self.positions.len();

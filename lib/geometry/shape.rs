@@ -69,12 +69,12 @@ impl Shape {
                 let frustum = matches!(kind, "cone" | "cup");
                 let (r0, r1) = (reals[6], if frustum { reals[7] } else { reals[6] });
                 let along = point(3) - point(0);
-                let inward = matches!(kind, "cup" | "tube") != turned(r0.min(r1) < 0.0);
                 match along.try_normalize() {
                     None => "axis has no length",
                     Some(_) if r0 * r1 < 0.0 => "radii have opposite signs",
                     Some(_) if r0 == 0.0 && r1 == 0.0 => "radius is zero",
                     Some(axis) => {
+                        let inward = matches!(kind, "cup" | "tube") != turned(r0.min(r1) < 0.0);
                         let (r0, r1) = (r0.abs(), r1.abs());
                         let equal = (r0 - r1).abs() <= tolerance(along.length().max(r0));
                         let radii = [r0, if equal { r0 } else { r1 }];

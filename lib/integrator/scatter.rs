@@ -109,8 +109,11 @@ impl<B: Clone> Integrator<'_, B> {
             }
         }
         ways.aims = ways.counts;
+        // Rough samples go through panes bent, shadow rays straight: what lies behind is not found by both.
         if at.bounces == 0 && self.world.bends() {
-            ways.aims[Part::SpecularReflection as usize] = 0.0;
+            for part in [Part::SpecularReflection, Part::SpecularTransmission] {
+                ways.aims[part as usize] = 0.0;
+            }
         }
         ways
     }
@@ -161,12 +164,12 @@ impl<B: Clone> Integrator<'_, B> {
         let mut from = Scattered { origin: vertex.at.ray.origin, direction: Vec3::ZERO, density: 0.0, lamps: 0.0, shared: false };
         if let Some(spread) = self.spread(part, vertex.surface.bsdf()) {
             let mut sampler = vertex.sampler.fork();
+            self.outcome.random |= spread > 0.0;
+            vertex.exact &= spread == 0.0;
             if let Some((wi, color)) = vertex.surface.bsdf().unweighted(part, spread, &mut sampler) {
                 let mut beta = vertex.beta.clone();
                 transport.scale(&mut beta, color / ways.share[2 + k]);
                 from.direction = vertex.surface.bsdf().to_world(wi);
-                self.outcome.random |= spread > 0.0;
-                vertex.exact &= spread == 0.0;
                 let next = Next { part, weight, exact: vertex.exact };
                 self.send(transport, vertex, beta, from, &next);
             }

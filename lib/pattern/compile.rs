@@ -6,7 +6,7 @@ use super::raster::Raster;
 use super::table::Table;
 use super::{Apply, Kind};
 use crate::cal::{FileId, Library, Program, Written};
-use crate::error::{Error, Result, Span};
+use crate::error::{Result, Span};
 use crate::rad::Primitive;
 use crate::resolve::Resolve;
 use crate::transform::Transform;
@@ -163,13 +163,13 @@ impl<'a> Words<'a, '_> {
     fn picture(&mut self, i: usize) -> Result<(Arc<Raster>, Mapping)> {
         let mapping = Mapping::recognize(self.expressions(i + 2..i + 4, i + 1)?);
         let name = self.string(i)?.to_string();
-        let raster = self.sources.picture(&name).map_err(|error| self.at(i, error))?;
+        let raster = self.sources.picture(&name).map_err(|error| self.primitive.at_string(i, error))?;
         Ok((raster, mapping))
     }
 
     fn table(&mut self, i: usize) -> Result<Arc<Table>> {
         let name = self.string(i)?.to_string();
-        self.sources.table(&name).map_err(|error| self.at(i, error))
+        self.sources.table(&name).map_err(|error| self.primitive.at_string(i, error))
     }
 
     /// The program of the expressions in these strings, with the function file in string `file`.
@@ -221,7 +221,7 @@ impl<'a> Words<'a, '_> {
 
     fn file(&mut self, i: usize) -> Result<FileId> {
         let name = self.string(i)?.to_string();
-        self.sources.library.load(&name, self.sources.resolve).map_err(|error| self.at(i, error))
+        self.sources.library.load(&name, self.sources.resolve).map_err(|error| self.primitive.at_string(i, error))
     }
 
     /// Where string `i` stands.
@@ -242,11 +242,6 @@ impl<'a> Words<'a, '_> {
         let words = &self.primitive.strings;
         let Some(start) = (used..words.len()).find(|&i| words[i].starts_with('-')) else { return Ok(Transform::IDENTITY) };
         Transform::of(self.primitive, start)
-    }
-
-    /// The error, at string `i` if it has no place yet.
-    fn at(&self, i: usize, error: Error) -> Error {
-        if error.place.is_some() { error } else { self.primitive.string_error(i, error.message) }
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::table::cell;
 use crate::error::{Error, Result};
+use crate::picture::hdr::values;
 use crate::picture::{Format, Picture, hdr};
 
 /// A picture to be looked up. Its exposure is ignored, as RADIANCE ignores it.
@@ -75,15 +76,6 @@ impl Raster {
         let (low, high) = (&samples[at..at + 2], &samples[at + self.stride..at + self.stride + 2]);
         ([value(low[0]), value(low[1])], [value(high[0]), value(high[1])])
     }
-}
-
-/// What [`hdr::decode`] makes of a pixel, and anything.
-#[inline]
-fn values(stored: hdr::Rgbe) -> [f64; 4] {
-    let exponent = u64::from(stored[3]);
-    let scale = f64::from_bits((exponent + 1023 - 136) << 52);
-    let scale = if exponent == 0 { 0.0 } else { scale };
-    stored.map(|m| (f64::from(m) + 0.5) * scale)
 }
 
 #[cfg(test)]

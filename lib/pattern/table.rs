@@ -158,8 +158,8 @@ impl Words<'_> {
     /// An error at the last word that was read.
     fn before(&self, message: impl Into<String>) -> crate::error::Error {
         let read = self.source.text[..self.at].trim_end();
-        let start = read.rfind(char::is_whitespace).map_or(0, |i| i + 1);
-        Span::new(self.source, start, read.len()).error(message)
+        let word = read.rsplit(char::is_whitespace).next().unwrap_or(read);
+        Span::new(self.source, read.len() - word.len(), read.len()).error(message)
     }
 }
 

@@ -25,13 +25,18 @@ const MAX_SINGLE: usize = 128;
 pub type Rgbe = [u8; 4];
 
 /// The values of a stored pixel: (mantissa + ½) · 2^(exponent − 136), exactly; 0 if the exponent is 0.
-pub fn decode([r, g, b, e]: Rgbe) -> [f32; 3] {
-    if e == 0 {
-        return [0.0; 3];
-    }
-    // Both factors are normal numbers; only the product may be denormalised, and is still exact.
-    let (half, rest) = (power_of_two(i32::from(e) / 2 - 68), power_of_two(i32::from(e) - i32::from(e) / 2 - 68));
-    [r, g, b].map(|m| (f32::from(m) + 0.5) * half * rest)
+pub fn decode(stored: Rgbe) -> [f32; 3] {
+    let [r, g, b, _] = values(stored);
+    [r, g, b].map(|v| v as f32)
+}
+
+/// The same, as numbers that are normal whatever is stored, and anything: quick.
+#[inline]
+pub fn values(stored: Rgbe) -> [f64; 4] {
+    let exponent = u64::from(stored[3]);
+    let scale = f64::from_bits((exponent + 1023 - 136) << 52);
+    let scale = if exponent == 0 { 0.0 } else { scale };
+    stored.map(|m| (f64::from(m) + 0.5) * scale)
 }
 
 /// The stored pixel nearest below these values: 256 · value / 2^k cut off, where 2^k is the power of two just above the

@@ -3,8 +3,8 @@
 use super::{GROUPS, Pixel, Rendering};
 use crate::color::to_pixel;
 use crate::error::{Error, Result};
-use crate::picture::Header;
 use crate::picture::exr::{Plane, Planes, Samples};
+use crate::picture::{Header, reserve};
 use std::ops::Range;
 
 /// The header line that says which samples a part holds.
@@ -53,8 +53,10 @@ pub fn join(parts: impl Iterator<Item = Result<(String, Planes)>>) -> Result<(us
     for named in parts {
         let (name, planes) = named?;
         let (range, header) = understood(&planes, &name)?;
-        let (width, height, first, pixels) = whole
-            .get_or_insert_with(|| (planes.width, planes.height, header.clone(), vec![Pixel::default(); planes.width * planes.height]));
+        let (width, height, first, pixels) = match &mut whole {
+            Some(whole) => whole,
+            None => whole.insert((planes.width, planes.height, header.clone(), blank(planes.width * planes.height)?)),
+        };
         if (*width, *height) != (planes.width, planes.height) || *first != header {
             return Err(Error::new(format!(
                 "{name}: not of the same picture as {}; parts differ in nothing but {PART_OPTION}, -o and -n",
@@ -80,6 +82,14 @@ pub fn join(parts: impl Iterator<Item = Result<(String, Planes)>>) -> Result<(us
         *command = command.replace(PART_OPTION, &format!("{WHOLE_OPTION} {end}"));
     }
     Ok((width, height, header, Rendering::of(pixels)))
+}
+
+/// So many pixels without samples.
+fn blank(count: usize) -> Result<Vec<Pixel>> {
+    let mut pixels = Vec::new();
+    reserve(&mut pixels, count)?;
+    pixels.resize(count, Pixel::default());
+    Ok(pixels)
 }
 
 /// Which samples a part holds, and its header without that.

@@ -52,8 +52,8 @@ impl Pixel {
 
     /// A pixel of which other samples were taken by another.
     pub(super) fn taken(samples: &Range<u32>, surface: bool, exact: bool) -> Self {
-        let (first, end) = (dealt(samples.start), dealt(samples.end));
-        let counts = if exact { dealt(1) } else { std::array::from_fn(|set| end[set] - first[set]) };
+        let (first, end) = (dealt(samples.start), dealt(if exact { samples.start + 1 } else { samples.end }));
+        let counts = std::array::from_fn(|set| end[set] - first[set]);
         Self { first, counts, surface, exact, ..Self::default() }
     }
 

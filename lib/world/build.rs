@@ -294,6 +294,9 @@ impl World {
         let mut first = 0;
         for _ in 0..levels {
             let last = self.lamps.len();
+            if first == last {
+                break;
+            }
             for (lamp, mirror) in (first..last).flat_map(|lamp| mirrors.iter().map(move |mirror| (lamp, mirror))) {
                 let before = self.lamps[lamp].relay;
                 // A mirror does not see its own images, nor does it see through another one what is wholly behind that.

@@ -12,8 +12,9 @@ use crate::vector::{Mat3, Vec3};
 const FEWEST: usize = 3;
 /// How many times as bright, or as large, as to all the same lamp may seem to a probe.
 const ALIKE: f64 = 1.4;
-/// The least angle between lines of sight that tells a distance, and in terms of how far they miss each other.
+/// The least angle between two lines of sight that tells a distance, radians.
 const PARALLAX: f64 = 0.02;
+/// How many times that angle must be the one by which the lines miss each other.
 const CLEAR: f64 = 6.0;
 
 /// A lamp in the room.

@@ -86,6 +86,12 @@ pub fn scenes() -> Vec<Case> {
         ("an instance that is not there", with("m instance s 1 none.oct 0 0"), "none.oct", Check),
         ("a transform that is none", with("m mesh s 3 none.rtm -q 1 0 0"), "bad:2:", Check),
         ("a plastic with four numbers", "void plastic m 0 0 4 1 1 1 0\nm sphere s 0 0 4 0 0 0 1\n".into(), "bad:1:", Check),
+        (
+            "an ashik2 with a power below 0",
+            "void ashik2 m 4 1 0 0 . 0 8 0 0 0 .1 .1 .1 20 -2\nm sphere s 0 0 4 0 0 0 1\n".into(),
+            "bad:1:52",
+            Check,
+        ),
         ("a picture that is not there", colorpict("none.hdr"), "none.hdr", Check),
         ("a function file that is not there", brightfunc("f", "none.cal"), "none.cal", Check),
         ("an expression without an end", brightfunc("(1+", "."), "bad:1:", Check),
@@ -290,6 +296,7 @@ pub fn tables() -> Vec<Case> {
         ("positions that go back and forth", "1 0 0 3 1 3 2 5 6 7"),
         ("equal ends", "1 1 1 3 5 6 7"),
         ("a zero byte", "1 0 1 3 1\0 2 3"),
+        ("a blank of another script", "1\n0 4\u{a0}1\n"),
     ];
     let mut cases: Vec<Case> = rows.iter().flat_map(|(label, text)| refused_as("dat", label, *text, "bad")).collect();
     cases.extend(nonsense().into_iter().flat_map(|(label, content)| refused_as("dat", label, content, "bad")));

@@ -61,6 +61,8 @@ pub fn arguments() -> Vec<Case> {
         ("SEE -av nan 1 1 main.rad", "-av"),
         ("SEE -st nan main.rad", "-st"),
         ("SEE -lw nan main.rad", "-lw"),
+        ("SEE -lw 0 main.rad", "-lr above 0"),
+        ("SEE -dj 2 main.rad", "-dj"),
         ("SEE -lr 1e9 main.rad", "-lr"),
         ("SEE -me nan 0 0 main.rad", "-me"),
         ("SEE --ward 1993 main.rad", "1993"),

@@ -4,7 +4,7 @@ use super::{Arguments, Light, Tuning};
 use crate::color::Rgb;
 use crate::error::Result;
 use crate::rays::Space;
-use crate::rules::UNWEIGHTED;
+use crate::rules::{Rules, UNWEIGHTED};
 use std::fmt::Display;
 use std::fmt::Write;
 
@@ -202,17 +202,18 @@ fn words(values: &Option<Vec<f64>>) -> Option<String> {
 }
 
 /// Options whose defaults differ from RADIANCE's: whether it was given, its name, RADIANCE's default (`rtrace`, `rpict`), what holds here.
-fn differing(light: &Light) -> [(bool, &'static str, &'static str, &'static str); 9] {
+fn differing(light: &Light) -> [(bool, &'static str, &'static str, String); 9] {
+    let Rules { light_division, mirror_levels, .. } = Rules::default();
     [
-        (light.ab.is_some(), "-ab", "0", "all diffuse bounces, ended by roulette without bias"),
-        (light.lr.is_some(), "-lr", "-10, rpict 7", "no limit of reflections"),
-        (light.lw.is_some(), "-lw", "1e-4", "no smallest weight: roulette without bias"),
-        (light.st.is_some(), "-st", ".15", "0: all rough reflection is followed"),
-        (light.ss.is_some(), "-ss", "1", "the rough lobe itself, as with a high -ss"),
-        (light.dj.is_some(), "-dj", "0", "lamps are integrated over all their extent"),
-        (light.ds.is_some() || light.dj.is_none(), "-ds", ".2, rpict .25", ".2"),
-        (light.dr.is_some(), "-dr", "2, rpict 1", "2"),
-        (light.tuning.aa.is_some(), "-aa", ".1, rpict .2", "0: indirect light is not interpolated"),
+        (light.ab.is_some(), "-ab", "0", "all diffuse bounces, ended by roulette without bias".into()),
+        (light.lr.is_some(), "-lr", "-10, rpict 7", "no limit of reflections".into()),
+        (light.lw.is_some(), "-lw", "1e-4", "no smallest weight: roulette without bias".into()),
+        (light.st.is_some(), "-st", ".15", "0: all rough reflection is followed".into()),
+        (light.ss.is_some(), "-ss", "1", "the rough lobe itself, as with a high -ss".into()),
+        (light.dj.is_some(), "-dj", "0", "lamps are integrated over all their extent".into()),
+        (light.ds.is_some() || light.dj.is_none(), "-ds", ".2, rpict .25", light_division.to_string()),
+        (light.dr.is_some(), "-dr", "2, rpict 1", mirror_levels.to_string()),
+        (light.tuning.aa.is_some(), "-aa", ".1, rpict .2", "0: indirect light is not interpolated".into()),
     ]
 }
 

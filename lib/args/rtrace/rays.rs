@@ -39,11 +39,11 @@ pub struct RayOptions {
     #[arg(long = "ti", value_name = "MOD", action = ArgAction::Append)]
     pub include: Vec<String>,
 
-    /// The same, for the modifiers listed in a file
+    /// As -te, for the modifiers listed in a file
     #[arg(long = "tE", value_name = "FILE", action = ArgAction::Append)]
     pub exclude_files: Vec<String>,
 
-    /// The same, for the modifiers listed in a file
+    /// As -ti, for the modifiers listed in a file
     #[arg(long = "tI", value_name = "FILE", action = ArgAction::Append)]
     pub include_files: Vec<String>,
 }

@@ -1,7 +1,7 @@
 //! What files that primitives name bring into a scene: meshes, and groups of surfaces for instances.
 
 use super::{Builder, Resolved, Unresolved};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::expand::expand;
 use crate::geometry::{LEVELS, Mesh};
 use crate::import::{self, MeshFile, MeshMaterial};
@@ -16,7 +16,7 @@ pub(super) struct Model {
     pub mesh: Arc<Mesh>,
     materials: Vec<MeshMaterial>,
     scene: Document,
-    /// The chains of its materials, once something needs them.
+    /// The chains of its materials, if they are the same wherever it stands, once something needs them.
     chains: OnceCell<Vec<ChainId>>,
 }
 
@@ -26,7 +26,7 @@ impl Builder<'_> {
         let Some(name) = primitive.strings.first() else {
             return Err(primitive.error(format!("{} needs the name of its file", primitive.kind)));
         };
-        Ok((name.clone(), self.resolve.library(name).map_err(|e| primitive.string_error(0, e.message))?))
+        Ok((name.clone(), self.resolve.library(name).map_err(|e| primitive.at_string(0, e))?))
     }
 
     /// The mesh file that a primitive names.
@@ -35,7 +35,7 @@ impl Builder<'_> {
             return Ok(known.clone());
         }
         let (name, bytes) = self.file(primitive)?;
-        let MeshFile { mesh, materials, scene } = import::mesh(bytes, &name).map_err(|e| at_name(primitive, e))?;
+        let MeshFile { mesh, materials, scene } = import::mesh(bytes, &name).map_err(|e| primitive.at_string(0, e))?;
         let model = Rc::new(Model { mesh: Arc::new(mesh), materials, scene, chains: OnceCell::new() });
         self.models.insert(name, model.clone());
         Ok(model)
@@ -70,6 +70,10 @@ impl Builder<'_> {
         };
         self.names = outer;
         let chains = chains?;
+        // A name means what it means where the mesh stands.
+        if model.materials.iter().any(|m| matches!(m, MeshMaterial::Named(_))) {
+            return Ok(chains);
+        }
         Ok(model.chains.get_or_init(|| chains).clone())
     }
 
@@ -86,7 +90,8 @@ impl Builder<'_> {
             return Err(primitive.string_error(0, format!("instances stand more than {LEVELS} deep within each other")).into());
         }
         let documents = import::octree(&bytes, &name).and_then(|octree| octree.documents(&name, self.resolve));
-        let flat = documents.and_then(|documents| expand(documents, self.resolve)).map_err(|e| at_name(primitive, e))?;
+        let flat = documents.and_then(|documents| expand(documents, self.resolve)).map_err(|e| primitive.at_string(0, e))?;
+        self.scene.warnings.extend_from_slice(&flat.warnings);
         self.within.push(name.clone());
         let outer = std::mem::take(&mut self.names);
         let surfaces = self.surfaces(&flat.primitives);
@@ -110,9 +115,4 @@ impl Builder<'_> {
         }
         Ok(surfaces)
     }
-}
-
-/// What is wrong with the file that a primitive names, where that has no place in a text of its own.
-fn at_name(primitive: &Primitive, error: Error) -> Error {
-    if error.place.is_some() { error } else { primitive.string_error(0, error.message) }
 }
