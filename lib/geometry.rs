@@ -101,6 +101,11 @@ impl Bounds {
         self.min * 0.5 + self.max * 0.5
     }
 
+    /// The ball through its corners: middle and radius; meaningless when empty.
+    pub fn ball(&self) -> (Vec3, f64) {
+        (self.center(), 0.5 * (self.max - self.min).length())
+    }
+
     /// The longest side; 0 when empty.
     pub fn size(&self) -> f64 {
         if self.is_empty() { 0.0 } else { (self.max - self.min).max_element() }

@@ -3,10 +3,15 @@
 //! A lamp is a surface or a distant source whose material is a light, a spotlight, an illum, or a glow with a radius. Directions
 //! point from the lit point to the lamp. How bright it is there is the world's to say.
 
+mod window;
+
+pub use window::Window;
+
 use crate::geometry::{AreaSampler, CYLINDER_BOX, Facing, LightShape, Plane, Ray, SPHERE_BOX, Shape, TINY};
 use crate::sampling::cone;
 use crate::vector::{Frame, Vec3};
 use std::f64::consts::PI;
+use window::Seen;
 
 /// A lamp's shape and reach.
 #[derive(Clone, Debug)]
@@ -28,6 +33,8 @@ pub struct Lamp {
     pub weak: bool,
     /// The mirror it is seen in, if it is virtual.
     pub relay: Option<Relay>,
+    /// The mirrors it is seen through, where they are seen: what does not see it through all of them it does not light.
+    pub windows: Vec<Window>,
 }
 
 /// How a virtual lamp is reached: by way of a mirror.
@@ -191,25 +198,56 @@ impl Lamp {
         (seen > 1e-4).then(|| ToLamp { direction, distance, omega: self.extent.size * seen / (distance * distance) })
     }
 
-    /// The lamp as it is seen in a mirror; `None` if no light of it gets there.
-    pub fn reflected(&self, relay: Relay) -> Option<Self> {
+    /// The lamp as it is seen in a mirror, which has this outline and reflects this part of the light; `None` if no light of it gets there.
+    pub fn reflected(&self, relay: Relay, outline: &Window, reflectance: f64) -> Option<Self> {
         let distant = matches!(self.form, Form::Distant(..));
-        if !self.extent.in_front_of(&relay.plane, distant) {
+        if !self.extent.in_front_of(&relay.plane, distant) || !self.windows.iter().all(|window| self.passes(window, outline)) {
             return None;
         }
+        let before = self.windows.iter().map(|window| window.reflected(&relay.plane));
         Some(Self {
             form: self.form.reflected(&relay.plane)?,
             extent: self.extent.reflected(&relay.plane, distant),
+            brightness: self.brightness * reflectance,
             shared: false,
             weak: false,
             relay: Some(relay),
+            windows: before.chain([outline.clone()]).collect(),
             ..*self
         })
     }
 
+    /// Whether its light may pass a window and reach another: whether nothing shows that it does not.
+    fn passes(&self, window: &Window, next: &Window) -> bool {
+        match &self.form {
+            Form::Distant(axis, spread) => {
+                let apart = next.center - window.center;
+                let wider = apart.length() * (spread * (2.0 - spread)).sqrt() / (1.0 - spread);
+                *spread >= 0.5 || apart.reject_from_normalized(*axis).length() <= window.radius + next.radius + wider
+            }
+            Form::Shape(surface) => {
+                // All that passes is moved so that it comes from the middle.
+                let (center, radius) = surface.0.bounds().ball();
+                let seen = |window: &Window| Seen::ball((window.center, window.radius + radius), center);
+                seen(window).meets(&seen(next))
+            }
+        }
+    }
+
+    /// Whether it may be seen from a place through all its mirrors.
+    fn may_be_seen(&self, from: Vec3) -> bool {
+        self.windows.is_empty() || {
+            let seen = match &self.form {
+                Form::Distant(axis, spread) => Seen { to: *axis, sin: (spread * (2.0 - spread)).sqrt() },
+                Form::Shape(surface) => Seen::ball(surface.0.bounds().ball(), from),
+            };
+            self.windows.iter().all(|window| window.may_show(&seen, from))
+        }
+    }
+
     /// How much it may light a point at `from`, for choosing among lamps: never 0 where it does.
     pub fn importance(&self, from: Vec3) -> f64 {
-        if self.relay.is_some_and(|r| r.plane.height(from) <= 0.0) {
+        if self.relay.is_some_and(|r| r.plane.height(from) <= 0.0) || !self.may_be_seen(from) {
             return 0.0;
         }
         self.brightness
@@ -222,7 +260,7 @@ impl Lamp {
                     if from.distance(from.clamp(bounds.min, bounds.max)) > self.radius {
                         0.0
                     } else {
-                        area.area() / self.extent.center.distance_squared(from).max((bounds.max - bounds.min).length_squared() / 4.0)
+                        area.area() / self.extent.center.distance_squared(from).max(bounds.ball().1.powi(2))
                     }
                 }
             }

@@ -28,7 +28,7 @@ use crate::anneal::linear::Symmetric;
 use crate::error::{Error, Result};
 use crate::geometry::Ray;
 use crate::picture::Picture;
-use crate::render::{Film, Filter};
+use crate::render::{Film, Filter, Lens};
 use crate::rules::Rules;
 use crate::sampling::mix64;
 use crate::scene::MaterialId;
@@ -189,14 +189,11 @@ impl Evidence<'_> {
     /// The pixels that show the unknown, and count; errors if there is none, or one is not finite. In an illumination field it must cover them wholly.
     pub fn pixels(&self, unknown: &Unknown, material: MaterialId) -> Result<Vec<usize>> {
         let lens = self.film.lens();
-        let shows = |n: usize, at: [f64; 2]| {
-            lens(n, at).is_some_and(|(origin, direction, _)| self.world.shows(&Ray { origin, direction }, material))
-        };
-        let grid = |count: usize, from: f64| (0..count * count).map(move |k| [k % count, k / count].map(|i| i as f64 / 4.0 + from));
         let shown = |n: &usize| {
-            self.mask.is_none_or(|mask| mask[*n] > 0.0)
-                // What is seen behind the unknown is not in an illumination field: only pixels that it covers to their corners count.
-                && if self.world.has_field() { grid(5, 0.0).all(|at| shows(*n, at)) } else { grid(4, 0.125).any(|at| shows(*n, at)) }
+            // What is seen behind the unknown is not in an illumination field: only pixels that it covers to their corners count.
+            let corners = || (0..25).map(|k| [k % 5, k / 5].map(|i| i as f64 / 4.0));
+            self.counts(*n)
+                && if self.world.has_field() { corners().all(|at| self.shows(&lens, *n, at, material)) } else { self.touches(*n, material) }
         };
         let pixels: Vec<usize> = (0..self.film.width * self.film.height).into_par_iter().filter(shown).collect();
         if pixels.is_empty() {
@@ -211,6 +208,21 @@ impl Evidence<'_> {
             )));
         }
         Ok(pixels)
+    }
+
+    /// Whether a pixel counts.
+    pub fn counts(&self, n: usize) -> bool {
+        self.mask.is_none_or(|mask| mask[n] > 0.0)
+    }
+
+    /// Whether the unknown is seen somewhere in a pixel.
+    pub fn touches(&self, n: usize, material: MaterialId) -> bool {
+        let lens = self.film.lens();
+        (0..16).map(|k| [k % 4, k / 4].map(|i| i as f64 / 4.0 + 0.125)).any(|at| self.shows(&lens, n, at, material))
+    }
+
+    fn shows(&self, lens: Lens, n: usize, at: [f64; 2], material: MaterialId) -> bool {
+        lens(n, at).is_some_and(|(origin, direction, _)| self.world.shows(&Ray { origin, direction }, material))
     }
 }
 

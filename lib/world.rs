@@ -280,6 +280,11 @@ impl World {
         found
     }
 
+    /// The distant sources: direction, and the angle from there to the rim, radians.
+    pub fn sources(&self) -> impl Iterator<Item = (Vec3, f64)> {
+        self.sources.iter().map(|s| (s.direction, s.half()))
+    }
+
     /// The lamps, those seen in mirrors included.
     pub fn lamps(&self) -> &[Lamp] {
         &self.lamps
@@ -287,14 +292,23 @@ impl World {
 
     /// One of the lamps, and a direction to it. `choice` and `u` are uniform in [0, 1).
     pub fn sample_lamp(&self, from: Vec3, choice: f64, u: [f64; 2]) -> Option<Aimed> {
-        let mut left = choice * self.importance(from);
-        let lamp = self.lamps.iter().position(|l| {
-            left -= l.importance(from);
+        let (mut few, mut many) = ([0.0; 16], Vec::new());
+        let importances = match self.lamps.len() {
+            count @ 0..=16 => &mut few[..count],
+            count => {
+                many.resize(count, 0.0);
+                &mut many[..]
+            }
+        };
+        importances.iter_mut().zip(&self.lamps).for_each(|(importance, lamp)| *importance = lamp.importance(from));
+        let total: f64 = importances.iter().sum();
+        let mut left = choice * total;
+        let lamp = importances.iter().position(|importance| {
+            left -= importance;
             left < 0.0
         })?;
         let to = self.lamps[lamp].sample(from, u)?;
-        let pdf = self.chosen(lamp, from) / to.omega;
-        Some(Aimed { lamp, to, pdf, shared: self.lamps[lamp].shared })
+        Some(Aimed { lamp, to, pdf: importances[lamp] / total / to.omega, shared: self.lamps[lamp].shared })
     }
 
     /// The density with which [`World::sample_lamp`] finds `lamp` in a direction; 0 if it is not there.
@@ -303,17 +317,9 @@ impl World {
         if !l.shared {
             return 0.0;
         }
-        self.chosen(lamp, from) * l.pdf(from, direction)
-    }
-
-    /// The probability with which [`World::sample_lamp`] chooses a lamp.
-    fn chosen(&self, lamp: usize, from: Vec3) -> f64 {
-        if self.lamps.len() == 1 { 1.0 } else { self.lamps[lamp].importance(from) / self.importance(from) }
-    }
-
-    /// That of all lamps ([`Lamp::importance`]).
-    fn importance(&self, from: Vec3) -> f64 {
-        self.lamps.iter().map(|l| l.importance(from)).sum()
+        let choice =
+            if self.lamps.len() == 1 { 1.0 } else { l.importance(from) / self.lamps.iter().map(|l| l.importance(from)).sum::<f64>() };
+        choice * l.pdf(from, direction)
     }
 
     /// Whether directions are aimed at the environment.
@@ -368,6 +374,11 @@ impl World {
 }
 
 impl Source {
+    /// The angle from its middle to its rim, radians.
+    fn half(&self) -> f64 {
+        (1.0 - self.spread).clamp(-1.0, 1.0).acos()
+    }
+
     /// Whether the direction lies in its cone.
     fn contains(&self, direction: Vec3) -> bool {
         // RADIANCE keeps the solid angle in single precision. Half the square of a chord is 1 − cos.

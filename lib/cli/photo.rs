@@ -4,18 +4,18 @@ use super::search::Objective;
 use super::stream::Input;
 use super::{Console, Disk, Outcome, scene};
 use crate::args::anneal::{Arguments, Sharpness};
-use crate::color::Rgb;
+use crate::color::{Rgb, bright};
 use crate::error::{Error, Result};
 use crate::expand::{Flat, expand};
 use crate::metric::{self, Loss, Named};
 use crate::picture::{Header, Picture};
 use crate::rad::{Class, Document, Number, Primitive};
 use crate::recover::{Evidence, Recovery, otherwise};
-use crate::render::{Budget, Film, Filter, Task, render};
+use crate::render::{Budget, Film, Filter, Pixel, Rendering, Task, render};
 use crate::report::{Setting, Views};
 use crate::rules::{Rules, shortcuts};
 use crate::scene::{MaterialId, Scene};
-use crate::unknown::Unknown;
+use crate::unknown::{EXPOSURES, Unknown};
 use crate::view::View;
 use crate::world::World;
 use std::f64::consts::PI;
@@ -192,6 +192,52 @@ impl<'a> Photo<'a> {
         })
     }
 
+    /// Some pixels, by [`SAMPLES`] samples each.
+    fn rendered(&self, world: &World, pixels: &[usize]) -> Rendering {
+        let lens = self.film.lens();
+        let task = Task {
+            world,
+            rules: &self.rules,
+            count: pixels.len(),
+            width: pixels.len(),
+            lens: &|i, at| lens(pixels[i], at),
+            centred: self.film.filter.is_point(),
+            blur: None,
+            budget: Budget::Samples(SAMPLES),
+            first: 0,
+            seed: self.seed,
+        };
+        render(&task, &|| false, &mut |_| {})
+    }
+
+    /// What is to be said if things that are known are brighter or darker in the picture than they should be, all alike: then it is of another
+    /// exposure, which none of the parameters is.
+    pub fn exposed(&self) -> Option<String> {
+        if self.unknown.parameters().iter().any(|p| EXPOSURES.contains(&&p.name[..])) {
+            return None;
+        }
+        let (evidence, count) = (self.evidence(), self.target.pixels.len());
+        let known = |n: &usize| evidence.counts(*n) && !evidence.touches(*n, self.material);
+        let known: Vec<usize> = (0..count).step_by(count.div_ceil(LOOKED_AT)).filter(known).collect();
+        let rendering = self.rendered(&self.world, &known);
+        let ratio = |(&n, pixel): (&usize, &Pixel)| bright(Rgb::from(self.target.pixels[n].map(f64::from))) / bright(pixel.mean());
+        let mut ratios: Vec<f64> = known.iter().zip(&rendering.pixels).map(ratio).filter(|ratio| ratio.is_finite()).collect();
+        if ratios.len() < FEWEST {
+            return None;
+        }
+        ratios.sort_by(f64::total_cmp);
+        let [low, ratio, high] = [1, 2, 3].map(|part| ratios[part * (ratios.len() - 1) / 4]);
+        let otherwise =
+            ratio > 0.0 && !(EXPOSED[0]..=EXPOSED[1]).contains(&ratio) && low > ratio * (1.0 - ALIKE) && high < ratio * (1.0 + ALIKE);
+        let [ratio, low, high] = [1.0, 0.1, 10.0].map(|factor| Number(format!("{:.1e}", factor * ratio).parse().unwrap_or(ratio)));
+        otherwise.then(|| {
+            format!(
+                "around the unknown the picture is {ratio} times as bright as the scene is, as by another exposure: \
+                 --param exposure={ratio}:{low}:{high} finds that, with something of the material known"
+            )
+        })
+    }
+
     /// The scene with one more lamp, small and far, over the camera's shoulder, that lights as much as light of `radiance` from all around.
     pub fn with_a_lamp(&self, radiance: f64) -> Result<World> {
         let ([forward, right, up], _) = self.film.camera.axes();
@@ -230,6 +276,13 @@ impl<'a> Photo<'a> {
     }
 }
 
+/// The least and the greatest brightness of known things, in terms of what they should have, that is no other exposure.
+const EXPOSED: [f64; 2] = [0.9, 1.1];
+/// About so many pixels are looked at, and so many that are known tell it, half of them within this part of what they have in common.
+const LOOKED_AT: usize = 300;
+const FEWEST: usize = 30;
+const ALIKE: f64 = 0.25;
+
 /// The world of a scene with an unknown material, ready for the picture of a film.
 fn surveyed(scene: Scene, rules: &Rules, unknown: MaterialId, film: &Film) -> Result<World> {
     let mut world = World::new(scene, rules)?;
@@ -266,25 +319,8 @@ impl<'p, 'a> Direct<'p, 'a> {
     /// How far a rendering with these values is from the picture.
     fn judged(&self, values: &[f64], loss: Loss) -> Result<f64> {
         let photo = self.photo;
-        let world = photo.setting().world(&photo.unknown.reals(values))?;
         let exposure = Rgb::from(photo.unknown.exposures(values));
-        let lens = photo.film.lens();
-        let rendering = render(
-            &Task {
-                world: &world,
-                rules: &photo.rules,
-                count: self.pixels.len(),
-                width: self.pixels.len(),
-                lens: &|i, at| lens(self.pixels[i], at),
-                centred: photo.film.filter.is_point(),
-                blur: None,
-                budget: Budget::Samples(SAMPLES),
-                first: 0,
-                seed: photo.seed,
-            },
-            &|| false,
-            &mut |_| {},
-        );
+        let rendering = photo.rendered(&photo.setting().world(&photo.unknown.reals(values))?, &self.pixels);
         let sum = rendering.pixels.iter().zip(&self.pixels).map(|(pixel, &number)| {
             let (target, seen) = (photo.target.pixels[number], exposure * pixel.mean());
             let variance = exposure * exposure * pixel.variance().0;

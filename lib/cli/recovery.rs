@@ -37,6 +37,10 @@ pub fn recover(start: &str, target: &str, arguments: &Arguments, console: &Conso
     cut.then(|| console.note("interrupted: the values are those of the samples taken by then"));
     let answer = answer::Answer::new(unknown, &found.values, Some(&found.known()));
     title.extend(photo.blurred(&found));
+    if let Some(doubt) = photo.exposed() {
+        title.push(format!("warning: {doubt}"));
+        doubts.push(doubt);
+    }
     title.push(format!("chi2 {} over {} pixels", answer::six(found.chi2), found.pixels));
     Output::whole(arguments.common.output.as_deref(), &answer.file(&title)?)?;
     doubts.extend_from_slice(answer.doubts());

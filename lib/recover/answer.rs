@@ -1,6 +1,6 @@
 //! The answer: the file with the values that were found, after what is to be said of them.
 
-use super::doubts::{Judgement, Known, Standing, decimals, digits, judge, list};
+use super::doubts::{Judgement, Known, Standing, at_bound, decimals, digits, judge, list};
 use crate::anneal::Parameter;
 use crate::anneal::linear::Symmetric;
 use crate::error::Result;
@@ -17,8 +17,6 @@ pub struct Answer<'a> {
 
 /// Correlations from this on are told.
 const TOLD: f64 = 0.5;
-/// A value nearer to a bound than this part of the range is at it.
-const AT_BOUND: f64 = 1e-5;
 /// Digits that a file keeps of a value beyond those that its error leaves it: nothing is lost by rounding.
 const KEPT: usize = 2;
 
@@ -29,8 +27,7 @@ impl<'a> Answer<'a> {
         let mut doubts = judgement.as_ref().map_or_else(Vec::new, |j| j.doubts.clone());
         let mut rounded = values.to_vec();
         for (i, (p, value)) in unknown.parameters().iter().zip(&mut rounded).enumerate() {
-            let ends = [("lower", p.low), ("upper", p.high)];
-            if let Some((side, bound)) = ends.into_iter().find(|(_, end)| (*value - end).abs() < AT_BOUND * p.range()) {
+            if let Some((side, bound)) = at_bound(p, *value, judgement.as_ref().map(|j| j.errors[i])) {
                 *value = bound;
                 // No number of a material is less than nothing, and nothing lets more light through than there is.
                 let all =

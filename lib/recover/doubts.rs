@@ -103,8 +103,9 @@ pub fn judge(unknown: &Unknown, values: &[f64], known: &Known) -> Judgement {
             } else {
                 "the chi-squareds that were seen are too few, or too noisy, or say little of it".to_string()
             };
-            // Where nothing explains the picture, no other light or view would.
-            if !astray {
+            // Where nothing explains the picture, no other light or view would; nor for what is held by a bound, which is said of it.
+            let held = at_bound(&parameters[pivot], values[pivot], None).is_some_and(|(_, bound)| bound != 0.0);
+            if !astray && !held {
                 doubts.push(format!("{} is not determined: {why}; {help}", parameters[pivot].name));
             }
         } else {
@@ -149,11 +150,24 @@ pub fn judge(unknown: &Unknown, values: &[f64], known: &Known) -> Judgement {
             .insert(0, format!("the picture is {how} blurred than its pixels are taken to be, and things seem {passes} by that: {cause}"));
     }
     let plain = |i: usize| explained && determined(i);
-    let errors = (0..n).map(|i| if plain(i) { seen.at(i, i).max(0.0).sqrt() } else { whole.at(i, i).sqrt() * units[i] }).collect();
+    let error = |i: usize| match (seen.at(i, i).max(0.0).sqrt(), whole.at(i, i).sqrt() * units[i]) {
+        (seen, whole) if plain(i) => seen.min(whole),
+        (_, whole) => whole,
+    };
+    let errors = (0..n).map(error).collect();
     let alike = seen.correlations();
     let correlations = Symmetric::of(n, |i, j| if plain(i) && plain(j) { alike.at(i, j) } else { correlations.at(i, j) });
     Judgement { errors, correlations, standings, doubts }
 }
+
+/// The bound that a value is at, if it is at one: nearer than a part of the range, and than its error, if that is known.
+pub fn at_bound(p: &Parameter, value: f64, error: Option<f64>) -> Option<(&'static str, f64)> {
+    let near = |(_, end): &(&str, f64)| (value - end).abs() <= (AT_BOUND * p.range()).min(error.unwrap_or(f64::INFINITY));
+    [("lower", p.low), ("upper", p.high)].into_iter().find(near)
+}
+
+/// A value nearer to a bound than this part of the range is at it.
+const AT_BOUND: f64 = 1e-5;
 
 /// Whether there is hardly any specular reflection, and perhaps none, which would be of any roughness.
 fn lusterless(unknown: &Unknown, values: &[f64], seen: &Symmetric) -> bool {

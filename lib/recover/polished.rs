@@ -60,7 +60,12 @@ pub fn recover(sought: &Sought, effort: Effort, tell: &dyn Fn(&str)) -> Result<R
         let told = |found: &Recovery| (effort.told)(&whole(found.clone()));
         // Light that meets it more often than products tell is that of the values it is looked at with, which those of a lobe are not: of a ball that
         // light goes through, colours came out .3 to .8 % too bright.
-        return Ok(whole(mirror.look(Effort { told: &told, ..effort }, &seen.values)));
+        let looked = mirror.look(Effort { told: &told, ..effort }, &seen.values);
+        // One that mirrors as little as it can may be one that does not.
+        let dullest = unknown.slots()[SPECULARITY].is_some_and(|slot| looked.values[slot] <= unknown.bounds()[slot].0);
+        if !dullest {
+            return Ok(whole(looked));
+        }
     }
     if !likely {
         return Ok(found);

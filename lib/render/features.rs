@@ -1,5 +1,6 @@
 //! Other pictures of the same pixels: what stands there, how it is lit.
 
+use super::suns::Suns;
 use super::{Rendering, Task};
 use crate::bsdf::{Arriving, Bsdf, Delta, Part};
 use crate::color::Rgb;
@@ -7,7 +8,6 @@ use crate::geometry::Ray;
 use crate::integrator::{Integrator, Kind, Radiance, Transport, Visit};
 use crate::material::Inside;
 use crate::rules::Rules;
-use crate::sampling::Sampler;
 use crate::scene::MaterialId;
 use crate::vector::Vec3;
 use crate::world::Layer;
@@ -30,6 +30,7 @@ pub struct Features {
 
 /// The features of the pixels of a finished rendering, seen by the same samples: direct and indirect light add up to the rendering.
 pub fn features(task: &Task, rendering: &Rendering) -> Vec<Features> {
+    let suns = Suns::of(task);
     (0..task.count)
         .into_par_iter()
         .map_init(
@@ -37,22 +38,21 @@ pub fn features(task: &Task, rendering: &Rendering) -> Vec<Features> {
             |integrator, number| {
                 let taken = rendering.pixels[number].counts();
                 let sets = taken.iter().filter(|&&count| count > 0).count().max(1) as f64;
-                let (mut whole, mut depth, mut met) = (Features::default(), 0.0, 0);
+                let (mut whole, mut depth, mut met) = (Features::default(), 0.0, 0.0);
                 for (set, &count) in taken.iter().enumerate() {
-                    let mut watch = Watch { colors: Radiance { rules: task.rules, sum: Rgb::ZERO }, sum: Features::default(), met: 0 };
-                    for index in 0..count {
-                        if let Some(((ray, limit), sampler)) = task.sight(number, task.sampler(number, set, index)) {
-                            integrator.trace(&mut watch, ray, limit, sampler);
-                        }
+                    for sample in (0..count).map(|index| task.sample(&suns, number, 0, set, index)) {
+                        let Some(((ray, limit), sampler)) = sample.sight else { continue };
+                        let mut watch = Watch { colors: Radiance { rules: task.rules, sum: Rgb::ZERO }, sum: Features::default(), met: 0 };
+                        integrator.trace(&mut watch, ray, limit, sampler);
+                        let share = sample.weight / (sets * count as f64);
+                        whole.normal += watch.sum.normal * share;
+                        whole.albedo += watch.sum.albedo * share;
+                        whole.direct += watch.sum.direct * share;
+                        whole.indirect += watch.sum.indirect * share;
+                        (depth, met) = (depth + watch.sum.depth * sample.weight, met + watch.met as f64 * sample.weight);
                     }
-                    let share = 1.0 / (sets * count.max(1) as f64);
-                    whole.normal += watch.sum.normal * share;
-                    whole.albedo += watch.sum.albedo * share;
-                    whole.direct += watch.sum.direct * share;
-                    whole.indirect += watch.sum.indirect * share;
-                    (depth, met) = (depth + watch.sum.depth, met + watch.met);
                 }
-                Features { depth: if met > 0 { depth / met as f64 } else { f64::INFINITY }, ..whole }
+                Features { depth: if met > 0.0 { depth / met } else { f64::INFINITY }, ..whole }
             },
         )
         .collect()
@@ -60,9 +60,9 @@ pub fn features(task: &Task, rendering: &Rendering) -> Vec<Features> {
 
 /// The fraction of each pixel that is covered by surfaces of one of these materials.
 pub fn coverage(task: &Task, materials: &[MaterialId]) -> Vec<f64> {
+    let evenly = Suns::default();
     let shows = |number: usize, index: u32| {
-        let sampler = Sampler::new(task.seed, number as u64, 0, index);
-        task.sight(number, sampler).is_some_and(|((ray, limit), _)| {
+        task.sample(&evenly, number, 0, 0, index).sight.is_some_and(|((ray, limit), _)| {
             let seen = |ray: &Ray| materials.iter().any(|&m| task.world.shows(ray, m));
             task.world.nearest(&ray, limit).is_some() && seen(&ray)
         })

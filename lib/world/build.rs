@@ -4,11 +4,11 @@ use super::field::Probes;
 use super::globes::Globe;
 use super::{Body, Source, Surface, World};
 use crate::accel::{self, Accel, Geometry, Rank};
-use crate::color::bright;
+use crate::color::{Rgb, bright};
 use crate::environment::Environment;
 use crate::error::{Error, Result};
 use crate::geometry::{Facing, LightShape, Plane, Shape, Sphere, TINY, tolerance};
-use crate::light::{self, Lamp, Relay};
+use crate::light::{self, Lamp, Relay, Window};
 use crate::material::Material;
 use crate::rules::Rules;
 use crate::scene::{self, Chain, ChainId, Distant, End, Form, Link, Named, Scene};
@@ -30,9 +30,9 @@ type Groups = HashMap<(*const Vec<scene::Surface>, bool), (Arc<Accel>, Arc<Vec<S
 struct Mirror {
     surface: u32,
     plane: Plane,
-    /// A sphere round it.
-    center: Vec3,
-    radius: f64,
+    outline: Window,
+    /// Which part of the light it reflects, without patterns.
+    reflectance: f64,
 }
 
 impl World {
@@ -74,16 +74,11 @@ impl World {
                 let form = || Ok((light::Form::of(shape.clone()), shape.light()?));
                 let form = || form().map_err(|e: &str| surface.place.error(format!("`{}`: {e}", surface.name)));
                 built.lamp = world.lamp(surface.chains[0], form)?;
-                if world.is_mirror(surface.chains[0])
+                if let Some(color) = world.mirror(surface.chains[0])
                     && let Some(plane) = shape.plane()
                 {
-                    let (number, bounds) = (world.surfaces.len() as u32, shape.bounds());
-                    relays.push(Mirror {
-                        surface: number,
-                        plane,
-                        center: bounds.center(),
-                        radius: (bounds.max - bounds.min).length() / 2.0,
-                    });
+                    let (surface, reflectance) = (world.surfaces.len() as u32, bright(color).abs());
+                    relays.push(Mirror { surface, plane, outline: Window::new(shape), reflectance });
                 }
             }
             bodies.push(body);
@@ -202,16 +197,12 @@ impl World {
         }
     }
 
-    /// Whether a flat surface of this chain shows virtual lamps: a mirror, also one that an illum stands before.
-    fn is_mirror(&self, chain: ChainId) -> bool {
-        let End::Material(m) = self.chains[chain].end else { return false };
-        match (&self.materials[m].material, self.materials[m].alternate) {
-            (Material::Mirror(_), _) => true,
-            (Material::Illum(_), Some(chain)) => {
-                matches!(self.chains[chain].end, End::Material(m) if matches!(self.materials[m].material, Material::Mirror(_)))
-            }
-            _ => false,
-        }
+    /// What a flat surface of this chain reflects of the virtual lamps that it shows, if it does: a mirror, also one that an illum stands before.
+    fn mirror(&self, chain: ChainId) -> Option<Rgb> {
+        let named = |chain: ChainId| if let End::Material(m) = self.chains[chain].end { Some(&self.materials[m]) } else { None };
+        let color = |chain| named(chain).and_then(|named| if let Material::Mirror(color) = named.material { Some(color) } else { None });
+        let illum = named(chain).filter(|named| matches!(named.material, Material::Illum(_)));
+        color(chain).or_else(|| color(illum?.alternate?))
     }
 
     /// What decides between coincident surfaces.
@@ -249,7 +240,7 @@ impl World {
             return Ok(None);
         }
         let shared = focus == 0.0 && !illum;
-        self.lamps.push(Lamp { form, extent, brightness, radius, focus, shared, weak: illum || glow, relay: None });
+        self.lamps.push(Lamp { form, extent, brightness, radius, focus, shared, weak: illum || glow, relay: None, windows: vec![] });
         Ok(Some(self.lamps.len() - 1))
     }
 
@@ -278,11 +269,10 @@ impl World {
 
     /// A light that an earlier one may hide is not found by chance: what is seen in its direction is the earlier one.
     fn hide_overlaps(&mut self) {
-        let half = |s: &Source| (1.0 - s.spread).clamp(-1.0, 1.0).acos();
         for (i, later) in self.sources.iter().enumerate() {
             let hidden = self.sources[..i]
                 .iter()
-                .any(|s| s.lamp.is_some() && s.direction.angle_between(later.direction) <= half(s) + half(later) + TINY);
+                .any(|s| s.lamp.is_some() && s.direction.angle_between(later.direction) <= s.half() + later.half() + TINY);
             if let (Some(lamp), true) = (later.lamp, hidden) {
                 self.lamps[lamp].shared = false;
             }
@@ -300,10 +290,11 @@ impl World {
             for (lamp, mirror) in (first..last).flat_map(|lamp| mirrors.iter().map(move |mirror| (lamp, mirror))) {
                 let before = self.lamps[lamp].relay;
                 // A mirror does not see its own images, nor does it see through another one what is wholly behind that.
-                if before.is_some_and(|b| b.mirror == mirror.surface || b.plane.height(mirror.center) <= -mirror.radius) {
+                if before.is_some_and(|b| b.mirror == mirror.surface || b.plane.height(mirror.outline.center) <= -mirror.outline.radius) {
                     continue;
                 }
-                let seen = self.lamps[lamp].reflected(Relay { mirror: mirror.surface, plane: mirror.plane, lamp });
+                let relay = Relay { mirror: mirror.surface, plane: mirror.plane, lamp };
+                let seen = self.lamps[lamp].reflected(relay, &mirror.outline, mirror.reflectance);
                 self.lamps.extend(seen);
                 if self.lamps.len() > LAMP_LIMIT {
                     return Err(Error::new(format!(

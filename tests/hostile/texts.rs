@@ -89,7 +89,7 @@ pub fn scenes() -> Vec<Case> {
         (
             "an ashik2 with a power below 0",
             "void ashik2 m 4 1 0 0 . 0 8 0 0 0 .1 .1 .1 20 -2\nm sphere s 0 0 4 0 0 0 1\n".into(),
-            "bad:1:52",
+            "bad:1:47",
             Check,
         ),
         ("a picture that is not there", colorpict("none.hdr"), "none.hdr", Check),

@@ -18,7 +18,7 @@ const SUN_HALF_ANGLE: f64 = 0.2665;
 const WATER: f64 = 2.0;
 /// Where the sun lights the ground: its solid angle, sr, as `gensky` once had it.
 const SUN_ON_GROUND: f64 = 6.8e-5;
-/// Above this clearness the ground is lit as under the CIE's clear sky, at the lowest as under its overcast one, else as under an intermediate one.
+/// From this clearness on the ground is lit as under the CIE's clear sky, at the lowest as under its overcast one, else as under an intermediate one.
 const CLEAR: f64 = 6.0;
 
 /// Lower ends of the eight bins of sky clearness (Perez et al. 1990, table 1), and the end of the last.
@@ -166,7 +166,7 @@ pub fn gendaylit(arguments: &[String]) -> Result<String> {
     let factor = sky.diffuse * sky_efficacy / sky.integral();
     let radiance = sky.direct * sun_efficacy / (2.0 * PI * (1.0 - SUN_HALF_ANGLE.to_radians().cos()));
     let lit = match sky.clearness {
-        _ if sky.clearness > CLEAR => clear_ground(altitude),
+        _ if sky.clearness >= CLEAR => clear_ground(altitude),
         _ if sky.clearness > CLEARNESS[0] => intermediate_ground(altitude),
         _ => OVERCAST_GROUND,
     };
