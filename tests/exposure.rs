@@ -46,6 +46,17 @@ fn with_a_known_specularity_the_exposure_is_found() {
 }
 
 #[test]
+fn another_exposure_is_said_and_a_bound_of_another_size_does_not_hide_it() {
+    let plastic = "plastic it 0 0 5 .6 .4 .2 .1 .15";
+    let out = told(plastic, [0.3; 3], "");
+    assert!(out.contains("# warning: around the unknown the picture is 0.3 times as bright as the scene is"), "{out}");
+    assert!(!told(plastic, [1.0; 3], "").contains("around the unknown"));
+    let out = told(plastic, [0.3; 3], "--param exposure=.3:.001:1e5 --fix spec");
+    found(&out, &[("exposure", 0.3), ("red", 0.6)], 0.02);
+    assert!(!out.contains("around the unknown") && !out.contains("bound"), "{out}");
+}
+
+#[test]
 fn so_is_the_white_balance() {
     let balance = "--param exposure-red=1:.5:2 --param exposure-green=1:.5:2 --param exposure-blue=1:.5:2 --fix spec";
     let out = told("plastic it 0 0 5 .6 .4 .2 .1 .15", [1.3, 1.0, 0.8], balance);

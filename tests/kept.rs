@@ -4,6 +4,7 @@
 
 mod photograph;
 
+use inverad::picture::Picture;
 use photograph::photographed;
 use std::fs;
 use std::path::Path;
@@ -120,6 +121,37 @@ fn a_state_is_not_taken_for_another_recovery() {
     assert!(trouble(path, &format!("{ASKED} start.rad")).contains("state: it keeps a recovery from other files"));
     fs::write(path.join("state"), "{}").unwrap();
     assert!(trouble(path, &format!("{ASKED} start.rad")).contains("state: not a recovery that anneal keeps"));
+}
+
+#[test]
+fn a_search_by_renderings_is_not_taken_up_for_another_picture() {
+    let directory = ball();
+    let path = directory.path();
+    let asked = "-ab 1 --scene scene.rad --target target.hdr --direct --steps 3 --no-polish --log log.jsonl --state direct";
+    done(path, &format!("{asked} start.rad"));
+    done(path, &format!("{asked} start.rad"));
+    let other = asked.replace("-ab 1", "-ab 0");
+    assert!(trouble(path, &format!("{other} start.rad")).contains("direct: it keeps a search with another picture, scene or view"));
+    let mut picture = fs::read(path.join("target.hdr")).unwrap();
+    *picture.last_mut().unwrap() ^= 1;
+    fs::write(path.join("target.hdr"), picture).unwrap();
+    assert!(trouble(path, &format!("{asked} start.rad")).contains("it keeps a search with another picture"));
+}
+
+#[test]
+fn pixels_that_are_no_numbers_are_said() {
+    let directory = ball();
+    let path = directory.path();
+    let mut picture = Picture::read(&fs::read(path.join("target.hdr")).unwrap(), "target.hdr").unwrap();
+    for n in [0, 20 * 40 + 20] {
+        picture.pixels[n] = [f32::NAN; 3];
+    }
+    fs::write(path.join("target.exr"), picture.write_exr().unwrap()).unwrap();
+    let asked = "-ab 1 --scene scene.rad --target target.exr start.rad";
+    assert!(
+        trouble(path, asked)
+            .contains("the picture's pixel in column 20 and row 20 (from the upper left, from 0) and 0 others are not finite")
+    );
 }
 
 #[test]
