@@ -57,6 +57,17 @@ fn another_exposure_is_said_and_a_bound_of_another_size_does_not_hide_it() {
 }
 
 #[test]
+fn a_pixel_that_nothing_explains_is_named() {
+    let directory = photographed("plastic it 0 0 5 .6 .4 .2 .1 .15", SCENE, "-x 40 -y 40 --spp 300 --seed 5 -ab 1 -o target.exr");
+    let path = directory.path();
+    let mut picture = Picture::read(&fs::read(path.join("target.exr")).unwrap(), "target.exr").unwrap();
+    picture.pixels[22 * 40 + 18] = [50.0; 3];
+    fs::write(path.join("target.exr"), picture.write_exr().unwrap()).unwrap();
+    let out = recovered(path, "-ab 1 --scene scene.rad --target target.exr start.rad");
+    assert!(out.contains("# warning: pixels (column,row from the upper left, from 0) 18,22 are far brighter"), "{out}");
+}
+
+#[test]
 fn so_is_the_white_balance() {
     let balance = "--param exposure-red=1:.5:2 --param exposure-green=1:.5:2 --param exposure-blue=1:.5:2 --fix spec";
     let out = told("plastic it 0 0 5 .6 .4 .2 .1 .15", [1.3, 1.0, 0.8], balance);

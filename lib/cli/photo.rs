@@ -164,6 +164,11 @@ impl<'a> Photo<'a> {
         self.read
     }
 
+    /// Its columns.
+    pub fn width(&self) -> usize {
+        self.film.width
+    }
+
     /// What is unknown in it.
     pub fn unknown(&self) -> &Unknown {
         &self.unknown

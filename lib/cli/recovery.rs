@@ -5,7 +5,8 @@ use super::kept::Kept;
 use super::report::{self, Trail};
 use super::{Answer, Console, Outcome, Output, interrupted};
 use crate::args::anneal::Arguments;
-use crate::recover::{self, Effort, Evidence, answer};
+use crate::recover::doubts::list;
+use crate::recover::{self, Effort, Evidence, Recovery, answer};
 use std::time::Instant;
 
 /// Recovers the material from the picture by the basis of its transport.
@@ -28,6 +29,10 @@ pub fn recover(start: &str, target: &str, arguments: &Arguments, console: &Conso
             let found = recover::recover(&evidence, unknown, photo.material(), effort, &|so_far| console.progress(|| so_far.into()))?;
             trail.hear(&found, console);
             let cut = stopped();
+            for doubt in photo.exposed().into_iter().chain(strays(&found, photo.width())) {
+                title.push(format!("warning: {doubt}"));
+                doubts.push(doubt);
+            }
             if let Some(path) = arguments.search.state.as_ref().filter(|_| !cut) {
                 Kept::save(path, asked, &unknown.material().kind, &title, &doubts, &found, &trail)?;
             }
@@ -37,10 +42,6 @@ pub fn recover(start: &str, target: &str, arguments: &Arguments, console: &Conso
     cut.then(|| console.note("interrupted: the values are those of the samples taken by then"));
     let answer = answer::Answer::new(unknown, &found.values, Some(&found.known()));
     title.extend(photo.blurred(&found));
-    if let Some(doubt) = photo.exposed() {
-        title.push(format!("warning: {doubt}"));
-        doubts.push(doubt);
-    }
     title.push(format!("chi2 {} over {} pixels", answer::six(found.chi2), found.pixels));
     Output::whole(arguments.common.output.as_deref(), &answer.file(&title)?)?;
     doubts.extend_from_slice(answer.doubts());
@@ -52,4 +53,17 @@ pub fn recover(start: &str, target: &str, arguments: &Arguments, console: &Conso
     let missed = options.tolerance.and_then(|tolerance| answer::missed(unknown.parameters(), &found.errors(), tolerance));
     missed.iter().for_each(|missed| console.warn(missed));
     Ok(if missed.is_none() && !cut { Answer::Yes } else { Answer::No })
+}
+
+/// The square by which a pixel is off, in terms of the light around it, that nothing explains: a hundred times what glints leave.
+const STRAY: f64 = 100.0;
+/// So many of them may be faults of a camera; more are something else.
+const FAULTS: usize = 12;
+
+/// What is to be said of single pixels, of a picture so wide, that are far brighter than anything explains.
+fn strays(found: &Recovery, width: usize) -> Option<String> {
+    let strays: Vec<usize> = found.losses.iter().filter(|(_, loss)| *loss > STRAY).map(|(n, _)| *n).collect();
+    let places: Vec<String> = strays.iter().map(|n| format!("{},{}", n % width, n / width)).collect();
+    let what = "far brighter than anything explains, and one alone may spoil an answer; leave out with --mask what the camera made so";
+    (1..=FAULTS).contains(&strays.len()).then(|| format!("pixels (column,row from the upper left, from 0) {} are {what}", list(&places)))
 }
