@@ -105,6 +105,9 @@ pub struct Recovery {
     /// it fits. Empty in one that was kept.
     #[serde(skip)]
     pub losses: Vec<(usize, f64)>,
+    /// The numbers of those that are far brighter than anything explains.
+    #[serde(default)]
+    pub strays: Vec<usize>,
     /// How much of the derivative by each value is not noise, from 0 to 1. Empty in one that was kept.
     #[serde(skip)]
     pub clarity: Vec<f64>,

@@ -55,15 +55,12 @@ pub fn recover(start: &str, target: &str, arguments: &Arguments, console: &Conso
     Ok(if missed.is_none() && !cut { Answer::Yes } else { Answer::No })
 }
 
-/// The square by which a pixel is off, in terms of the light around it, that nothing explains: a hundred times what glints leave.
-const STRAY: f64 = 100.0;
-/// So many of them may be faults of a camera; more are something else.
+/// So many pixels that nothing explains may be faults of a camera; more are something else.
 const FAULTS: usize = 12;
 
 /// What is to be said of single pixels, of a picture so wide, that are far brighter than anything explains.
 fn strays(found: &Recovery, width: usize) -> Option<String> {
-    let strays: Vec<usize> = found.losses.iter().filter(|(_, loss)| *loss > STRAY).map(|(n, _)| *n).collect();
-    let places: Vec<String> = strays.iter().map(|n| format!("{},{}", n % width, n / width)).collect();
+    let places: Vec<String> = found.strays.iter().map(|n| format!("{},{}", n % width, n / width)).collect();
     let what = "far brighter than anything explains, and one alone may spoil an answer; leave out with --mask what the camera made so";
-    (1..=FAULTS).contains(&strays.len()).then(|| format!("pixels (column,row from the upper left, from 0) {} are {what}", list(&places)))
+    (1..=FAULTS).contains(&places.len()).then(|| format!("pixels (column,row from the upper left, from 0) {} are {what}", list(&places)))
 }

@@ -124,6 +124,7 @@ mod tests {
             chi2: 0.0,
             pixels: 500,
             losses: vec![],
+            strays: vec![],
             clarity: vec![clarity],
         };
         (Parameter { name: name.into(), start: 0.5, low: 0.0, high: 1.0 }, found)

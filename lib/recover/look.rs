@@ -305,6 +305,7 @@ impl Look<'_> {
             self.parameters.iter().zip(&values).enumerate().map(|(i, (p, value))| self.effort.near(i, p, *value)).collect();
         let (influence, clarity) = (influence(&now, &variances, &wished), now.clarity());
         let losses = now.losses();
+        let strays = now.strays(&losses);
         // What moved as far as the model can be trusted would have moved on.
         let ways: Vec<f64> = values.iter().zip(near).map(|(value, near)| value - near).collect();
         let ahead = model.trusted(&values.iter().zip(&ways).map(|(value, way)| value + way).collect::<Vec<_>>());
@@ -318,8 +319,19 @@ impl Look<'_> {
         let (common, misfit) = (now.common(), misfit(sheet, basis, &now.here.halves));
         let (held, withheld) = (now.weights.kept.iter().any(|kept| *kept < 1.0), now.withheld());
         let (chi2, pixels) = (sheet.chi2(&now.here.halves), sheet.numbers.len());
-        let found =
-            Recovery { values, covariance: now.covariance, own: now.own, common, misfit, blur: None, chi2, pixels, losses, clarity };
+        let found = Recovery {
+            values,
+            covariance: now.covariance,
+            own: now.own,
+            common,
+            misfit,
+            blur: None,
+            chi2,
+            pixels,
+            losses,
+            strays,
+            clarity,
+        };
         Fit { found, influence, held, withheld }
     }
 

@@ -239,7 +239,22 @@ impl<'a> Scores<'a> {
         let loss = |p: usize| (0..3).map(|c| weights[p][c] as f64 * self.sheet.cross(&self.here.halves, p, c)).sum();
         self.sheet.numbers.iter().enumerate().map(|(p, n)| (*n, loss(p))).collect()
     }
+
+    /// The numbers of the pixels that are far brighter than anything explains.
+    pub fn strays(&self, losses: &[(usize, f64)]) -> Vec<usize> {
+        let unexplained = |p: usize| {
+            let photographed = |c: usize| self.sheet.target[p][c] as f64;
+            (0..3).map(|c| mean(&self.here.halves, p, c)).sum::<f64>() < EXPLAINED * (0..3).map(photographed).sum::<f64>()
+        };
+        let strays = losses.iter().enumerate().filter(|(p, (_, loss))| *loss > STRAY && unexplained(*p));
+        strays.map(|(_, (n, _))| *n).collect()
+    }
 }
+
+/// The square by which a pixel is off, in terms of the light around it, that nothing explains, if less than a part of its own light is explained: glints
+/// leave a few at the most.
+const STRAY: f64 = 100.0;
+const EXPLAINED: f64 = 0.2;
 
 /// What the numbers of two halves, channel by channel, have in common at a pixel, and what there is of their mean: weighted squares.
 fn agreement(weights: &[Channels; 2], p: usize, of: impl Fn(usize, usize) -> f64) -> [f64; 2] {

@@ -271,6 +271,7 @@ mod tests {
                 chi2: 0.0,
                 pixels: 64,
                 losses,
+                strays: vec![],
                 clarity: vec![1.0],
             },
         )
