@@ -23,10 +23,10 @@ const LARGEST: f64 = 0.5;
 /// Samples of a pixel that shows one, where the budget does not say how many: the sun is then known to 1 %.
 pub(super) const SUN: u32 = 1024;
 /// Cells of a part in each direction, by which it is made smaller, and how often.
-const CELLS: usize = 8;
+const CELLS: usize = 16;
 const ROUNDS: usize = 6;
 /// How many times as far as a corner seems to be from the middle what is between them may be.
-const SLACK: f64 = 1.5;
+const SLACK: f64 = 1.2;
 
 impl Suns {
     /// Those of a picture.
@@ -85,7 +85,7 @@ impl Part {
                 return None;
             }
             let smaller = (0..CELLS * CELLS).filter_map(|i| shows([i % CELLS, i / CELLS])).reduce(Self::join)?;
-            let worth = smaller.area() < LARGEST * part.area();
+            let worth = smaller.area() < 0.9 * part.area();
             part = smaller;
             if !worth {
                 break;
