@@ -222,7 +222,7 @@ impl Lamp {
         match &self.form {
             Form::Distant(axis, spread) => {
                 let apart = next.center - window.center;
-                let wider = apart.length() * (spread * (2.0 - spread)).sqrt() / (1.0 - spread);
+                let wider = apart.length() * sine(*spread) / (1.0 - spread);
                 *spread >= 0.5 || apart.reject_from_normalized(*axis).length() <= window.radius + next.radius + wider
             }
             Form::Shape(surface) => {
@@ -238,7 +238,7 @@ impl Lamp {
     fn may_be_seen(&self, from: Vec3) -> bool {
         self.windows.is_empty() || {
             let seen = match &self.form {
-                Form::Distant(axis, spread) => Seen { to: *axis, sin: (spread * (2.0 - spread)).sqrt() },
+                Form::Distant(axis, spread) => Seen { to: *axis, sin: sine(*spread) },
                 Form::Shape(surface) => Seen::ball(surface.0.bounds().ball(), from),
             };
             self.windows.iter().all(|window| window.may_show(&seen, from))
@@ -273,6 +273,11 @@ impl Lamp {
         }
         ToLamp { omega: sample.omega * (distance / (distance + self.focus)).powi(2), ..sample }
     }
+}
+
+/// The sine of the half angle whose 1 − cos this is.
+fn sine(spread: f64) -> f64 {
+    (spread * (2.0 - spread)).sqrt()
 }
 
 /// For a sphere seen from outside: its centre, and 1 − cos of the half angle it subtends.

@@ -186,12 +186,7 @@ impl Material {
                 a.rough()?;
                 Self::Reflectance(Reflectance { transmission: a.real(6), transmitted_specular: a.real(7), ..a.reflectance(2) })
             }
-            "ashik2" => {
-                if let Some(i) = [6, 7].into_iter().find(|&i| !(a.real(i) >= 0.0)) {
-                    return Err(primitive.real_error(i, "a power of ashik2 must be 0 or more"));
-                }
-                Self::Ashikhmin(Ashikhmin { diffuse: a.rgb(0), specular: a.rgb(3), powers: [a.real(6), a.real(7)] })
-            }
+            "ashik2" => Self::Ashikhmin(Ashikhmin { diffuse: a.rgb(0), specular: a.rgb(3), powers: a.powers()? }),
             "BRTDfunc" => {
                 let Some(functions) = Functions::compile(primitive, sources)? else { return Ok(None) };
                 Self::Functions(FunctionMaterial { diffuse: [a.rgb(0), a.rgb(3)], through: a.rgb(6), functions: Arc::new(functions) })
@@ -301,6 +296,14 @@ impl Arguments<'_> {
         match [4, 5].into_iter().find(|&i| !(self.real(i) > TINY)) {
             Some(i) => Err(self.0.real_error(i, format!("the roughness of {} must be above {TINY}", self.0.kind))),
             None => Ok(()),
+        }
+    }
+
+    /// The powers of ashik2, refused below 0.
+    fn powers(&self) -> Result<[f64; 2]> {
+        match [6, 7].into_iter().find(|&i| !(self.real(i) >= 0.0)) {
+            Some(i) => Err(self.0.real_error(i, "a power of ashik2 must be 0 or more")),
+            None => Ok([self.real(6), self.real(7)]),
         }
     }
 

@@ -138,14 +138,9 @@ impl<'a> Comparison<'a> {
             return Err(Error::new("the mask leaves no pixel to compare"));
         }
         for Named { name, picture } in [reference, image].into_iter().chain(second) {
-            let bad = |i: &usize| weights.is_none_or(|w| w[*i] > 0.0) && picture.pixels[*i].iter().any(|v| !v.is_finite());
-            let mut bad = (0..picture.pixels.len()).filter(bad);
-            if let Some(first) = bad.next() {
-                let (x, y, more) = (first % picture.width, first / picture.width, bad.count());
-                return Err(Error::new(format!(
-                    "{name}: the pixel in column {x} and row {y} (from the upper left, from 0) and {more} others are not finite; \
-                     leave them out with a mask"
-                )));
+            let counted = (0..picture.pixels.len()).filter(|&i| weights.is_none_or(|w| w[i] > 0.0));
+            if let Some(wrong) = picture.infinite(counted) {
+                return Err(Error::new(format!("{name}: the {wrong}; leave them out with a mask")));
             }
         }
         Ok(Self {

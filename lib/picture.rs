@@ -147,6 +147,14 @@ impl Picture {
         Ok(Self { width, height, header, pixels })
     }
 
+    /// What is wrong with some of its pixels, if one of them is not finite: the first of them, by its place, and how many more.
+    pub fn infinite(&self, numbers: impl Iterator<Item = usize>) -> Option<String> {
+        let mut bad = numbers.filter(|&n| self.pixels[n].iter().any(|v| !v.is_finite()));
+        let first = bad.next()?;
+        let (x, y, more) = (first % self.width, first / self.width, bad.count());
+        Some(format!("pixel in column {x} and row {y} (from the upper left, from 0) and {more} others are not finite"))
+    }
+
     /// Reads a RADIANCE picture or an OpenEXR file, told apart by their content. `name` is for messages.
     pub fn read(bytes: &[u8], name: &str) -> Result<Self> {
         if bytes.starts_with(&exr::MAGIC) {

@@ -28,7 +28,7 @@ use crate::anneal::linear::Symmetric;
 use crate::error::{Error, Result};
 use crate::geometry::Ray;
 use crate::picture::Picture;
-use crate::render::{Film, Filter, Lens};
+use crate::render::{Film, Filter};
 use crate::rules::Rules;
 use crate::sampling::mix64;
 use crate::scene::MaterialId;
@@ -105,8 +105,8 @@ pub struct Recovery {
     /// it fits. Empty in one that was kept.
     #[serde(skip)]
     pub losses: Vec<(usize, f64)>,
-    /// The numbers of those that are far brighter than anything explains.
-    #[serde(default)]
+    /// The numbers of those that are far brighter than anything explains. Empty in one that was kept.
+    #[serde(skip)]
     pub strays: Vec<usize>,
     /// How much of the derivative by each value is not noise, from 0 to 1. Empty in one that was kept.
     #[serde(skip)]
@@ -191,26 +191,20 @@ impl Recovery {
 impl Evidence<'_> {
     /// The pixels that show the unknown, and count; errors if there is none, or one is not finite. In an illumination field it must cover them wholly.
     pub fn pixels(&self, unknown: &Unknown, material: MaterialId) -> Result<Vec<usize>> {
-        let lens = self.film.lens();
         let shown = |n: &usize| {
             // What is seen behind the unknown is not in an illumination field: only pixels that it covers to their corners count.
             let corners = || (0..25).map(|k| [k % 5, k / 5].map(|i| i as f64 / 4.0));
             self.counts(*n)
-                && if self.world.has_field() { corners().all(|at| self.shows(&lens, *n, at, material)) } else { self.touches(*n, material) }
+                && if self.world.has_field() { corners().all(|at| self.shows(*n, at, material)) } else { self.touches(*n, material) }
         };
         let pixels: Vec<usize> = (0..self.film.width * self.film.height).into_par_iter().filter(shown).collect();
         if pixels.is_empty() {
             return Err(Error::new(format!("no pixel of the picture shows `{}`: check the view and the mask", unknown.material().name)));
         }
-        let mut bad = pixels.iter().filter(|&&n| self.target.pixels[n].iter().any(|v| !v.is_finite()));
-        if let Some(first) = bad.next() {
-            let (x, y, more) = (first % self.film.width, first / self.film.width, bad.count());
-            return Err(Error::new(format!(
-                "the picture's pixel in column {x} and row {y} (from the upper left, from 0) and {more} others are not finite; \
-                 leave them out with --mask"
-            )));
+        match self.target.infinite(pixels.iter().copied()) {
+            Some(wrong) => Err(Error::new(format!("the picture's {wrong}; leave them out with --mask"))),
+            None => Ok(pixels),
         }
-        Ok(pixels)
     }
 
     /// Whether a pixel counts.
@@ -220,12 +214,11 @@ impl Evidence<'_> {
 
     /// Whether the unknown is seen somewhere in a pixel.
     pub fn touches(&self, n: usize, material: MaterialId) -> bool {
-        let lens = self.film.lens();
-        (0..16).map(|k| [k % 4, k / 4].map(|i| i as f64 / 4.0 + 0.125)).any(|at| self.shows(&lens, n, at, material))
+        (0..16).map(|k| [k % 4, k / 4].map(|i| i as f64 / 4.0 + 0.125)).any(|at| self.shows(n, at, material))
     }
 
-    fn shows(&self, lens: Lens, n: usize, at: [f64; 2], material: MaterialId) -> bool {
-        lens(n, at).is_some_and(|(origin, direction, _)| self.world.shows(&Ray { origin, direction }, material))
+    fn shows(&self, n: usize, at: [f64; 2], material: MaterialId) -> bool {
+        self.film.lens()(n, at).is_some_and(|(origin, direction, _)| self.world.shows(&Ray { origin, direction }, material))
     }
 }
 

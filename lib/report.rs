@@ -47,9 +47,9 @@ pub struct Report<'a> {
     pub filter: Option<String>,
     /// What there is to doubt.
     pub doubts: &'a [String],
-    /// How it was found, and by which measure.
+    /// How it was found.
     pub trail: &'a [Moment],
-    /// See there.
+    /// By which measure.
     pub followed: Loss,
     /// What a moment of it is called: `round`, `evaluation`.
     pub unit: &'a str,

@@ -262,18 +262,14 @@ impl Arguments {
             ));
         }
         let kept = [("--state", &self.search.state), ("--log", &self.search.log), ("--report", &self.search.report)];
-        if let Some((option, _)) = kept.iter().find(|(_, path)| path.as_ref().is_some_and(|path| path.as_os_str() == "-")) {
+        let words: Vec<&str> = self.words.iter().map(String::as_str).collect();
+        let dashed = kept.iter().find(|(_, path)| path.as_ref().is_some_and(|path| path.as_os_str() == "-")).map(|(option, _)| *option);
+        let asked = if let ["propose" | "tell" | "best", "-", ..] = words[..] { Some(words[0]) } else { None };
+        if let Some(option) = dashed.or(asked) {
             return Err(Error::new(format!("{option} takes the name of a file: the answer goes to standard output")));
         }
-        let words: Vec<&str> = self.words.iter().map(String::as_str).collect();
         if matches!(words[..], ["propose" | "tell" | "best", _, ..]) && (self.search.state.is_some() || self.search.log.is_some()) {
             return Err(Error::new(format!("{} keeps the search in the file after it, and no log; leave --state and --log out", words[0])));
-        }
-        if matches!(words[..], ["propose" | "tell" | "best", "-", ..]) {
-            return Err(Error::new(format!(
-                "{} takes the name of a file, which keeps the search; standard output is for the candidate",
-                words[0]
-            )));
         }
         match words[..] {
             ["propose", state] => Ok(Job::Propose(state.into(), None)),

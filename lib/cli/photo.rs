@@ -232,15 +232,15 @@ impl<'a> Photo<'a> {
         }
         ratios.sort_by(f64::total_cmp);
         let [low, ratio, high] = [1, 2, 3].map(|part| ratios[part * (ratios.len() - 1) / 4]);
-        let otherwise =
-            ratio > 0.0 && !(EXPOSED[0]..=EXPOSED[1]).contains(&ratio) && low > ratio * (1.0 - ALIKE) && high < ratio * (1.0 + ALIKE);
+        let alike = low > ratio * (1.0 - ALIKE) && high < ratio * (1.0 + ALIKE);
+        if !alike || ratio <= 0.0 || (EXPOSED[0]..=EXPOSED[1]).contains(&ratio) {
+            return None;
+        }
         let [ratio, low, high] = [1.0, 0.1, 10.0].map(|factor| Number(format!("{:.1e}", factor * ratio).parse().unwrap_or(ratio)));
-        otherwise.then(|| {
-            format!(
-                "around the unknown the picture is {ratio} times as bright as the scene is, as by another exposure: \
-                 --param exposure={ratio}:{low}:{high} finds that, with something of the material known"
-            )
-        })
+        Some(format!(
+            "around the unknown the picture is {ratio} times as bright as the scene is, as by another exposure: \
+             --param exposure={ratio}:{low}:{high} finds that, with something of the material known"
+        ))
     }
 
     /// The scene with one more lamp, small and far, over the camera's shoulder, that lights as much as light of `radiance` from all around.

@@ -150,9 +150,9 @@ pub fn judge(unknown: &Unknown, values: &[f64], known: &Known) -> Judgement {
             .insert(0, format!("the picture is {how} blurred than its pixels are taken to be, and things seem {passes} by that: {cause}"));
     }
     let plain = |i: usize| explained && determined(i);
-    let error = |i: usize| match (seen.at(i, i).max(0.0).sqrt(), whole.at(i, i).sqrt() * units[i]) {
-        (seen, whole) if plain(i) => seen.min(whole),
-        (_, whole) => whole,
+    let error = |i: usize| {
+        let whole = whole.at(i, i).sqrt() * units[i];
+        if plain(i) { seen.at(i, i).max(0.0).sqrt().min(whole) } else { whole }
     };
     let errors = (0..n).map(error).collect();
     let alike = seen.correlations();

@@ -124,8 +124,7 @@ impl<'a> Sheet<'a> {
         let (width, height) = (self.evidence.film.width, self.evidence.film.height);
         let sides = [(x.wrapping_sub(1), y), (x + 1, y), (x, y.wrapping_sub(1)), (x, y + 1)];
         let inside = sides.into_iter().filter(|(u, v)| *u < width && *v < height).map(|(u, v)| v * width + u);
-        let seen = inside.filter(|&n| self.evidence.mask.is_none_or(|mask| mask[n] > 0.0));
-        let seen = seen.filter(|&n| self.evidence.target.pixels[n].iter().all(|v| v.is_finite()));
+        let seen = inside.filter(|&n| self.evidence.counts(n) && self.evidence.target.pixels[n].iter().all(|v| v.is_finite()));
         seen.map(|n| match self.places[n] {
             u32::MAX => self.evidence.target.pixels[n].map(f64::from),
             place => values[place as usize],

@@ -22,9 +22,10 @@ const WIDEST: f64 = 0.05;
 const LARGEST: f64 = 0.5;
 /// Samples of a pixel that shows one, where the budget does not say how many: the sun is then known to 1 %.
 pub(super) const SUN: u32 = 1024;
-/// Cells of a part in each direction, by which it is made smaller, and how often.
+/// Cells of a part in each direction, by which it is made smaller, how often, and to which part of itself as long as that goes on.
 const CELLS: usize = 16;
 const ROUNDS: usize = 6;
+const WORTH: f64 = 0.9;
 /// How many times as far as a corner seems to be from the middle what is between them may be.
 const SLACK: f64 = 1.2;
 
@@ -65,6 +66,10 @@ impl Part {
     /// nothing else.
     fn of(lens: Lens, number: usize, &(sun, half): &(Vec3, f64)) -> Option<Self> {
         let apart = |a: [f64; 2], to: Vec3| lens(number, a).map(|(_, direction, _)| (direction - to).length());
+        // Most pixels are far from any sun.
+        if apart([0.5; 2], sun)? > half + 2.0 * SLACK * apart([0.01; 2], lens(number, [0.99; 2])?.1)? {
+            return None;
+        }
         let corners = [[0.01, 0.01], [0.01, 0.99], [0.99, 0.01], [0.99, 0.99]];
         if corners.iter().all(|&at| apart(at, sun).is_some_and(|apart| apart < half)) {
             return None;
@@ -80,12 +85,8 @@ impl Part {
                 let reach = apart(corner(cell.map(|c| c + 0.01)), middle)?.max(apart(corner(cell.map(|c| c + 0.99)), middle)?);
                 ((middle - sun).length() <= half + SLACK * reach).then(|| Self([corner(cell), corner(cell.map(|c| c + 1.0))]))
             };
-            // Most pixels are far from any sun.
-            if part.area() == 1.0 && apart([0.5; 2], sun)? > half + 2.0 * SLACK * apart([0.01; 2], lens(number, [0.99; 2])?.1)? {
-                return None;
-            }
             let smaller = (0..CELLS * CELLS).filter_map(|i| shows([i % CELLS, i / CELLS])).reduce(Self::join)?;
-            let worth = smaller.area() < 0.9 * part.area();
+            let worth = smaller.area() < WORTH * part.area();
             part = smaller;
             if !worth {
                 break;
