@@ -73,30 +73,35 @@ pub fn take<'a>(start: &str, target: &str, effort: Effort, arguments: &Arguments
     }
     let pixels = photo.evidence().pixels(first, photo.material())?;
     let effort = Effort { quick: true, ..effort };
-    let mut compare = |unknowns: &[Unknown], about: usize| {
+    let mut compare = |unknowns: &[Unknown], around: &[Vec<f64>], about: usize| {
         let sample = Sample::of(&photo.evidence(), &pixels, about);
         let mut trials = Vec::new();
-        for unknown in unknowns {
+        for (i, unknown) in unknowns.iter().enumerate() {
             photo.take_for(unknown.clone())?;
             let otherwise = photo.otherwise()?;
             let evidence = Evidence { mask: Some(&sample.mask), otherwise: otherwise.as_ref(), ..photo.evidence() };
             let tell = |so_far: &str| console.progress(|| format!("{}: {so_far}", unknown.material().kind));
+            let effort = Effort { around: around.get(i).map(Vec::as_slice), ..effort };
             trials.push(Trial::new(unknown, recover(&evidence, unknown, photo.material(), effort, &tell)?));
         }
-        let verdict = choose(&trials, &sample);
-        let values = trials.swap_remove(verdict.chosen).recovery.values;
-        Outcome::Ok((verdict, values))
+        let values: Vec<Vec<f64>> = trials.iter().map(|trial| trial.recovery.values.clone()).collect();
+        Outcome::Ok((choose(&trials, &sample), values))
     };
     let [few, more] = SAMPLES;
-    let (mut verdict, mut values) = compare(&unknowns, few)?;
+    let (mut verdict, mut values) = compare(&unknowns, &[], few)?;
     if !verdict.sure && pixels.len() > few {
-        let (out, left): (Vec<_>, Vec<_>) = verdict.rivals.into_iter().partition(|(_, rival)| rival.is_out());
-        unknowns.retain(|unknown| left.iter().any(|(kind, _)| *kind == unknown.material().kind));
-        (verdict, values) = compare(&unknowns, more)?;
+        // More pixels tell what is near the values that a few have found.
+        let left = |i: &usize| !verdict.rivals[*i].1.is_out();
+        let left: Vec<usize> = (0..unknowns.len()).filter(left).collect();
+        unknowns = left.iter().map(|&i| unknowns[i].clone()).collect();
+        values = left.iter().map(|&i| values[i].clone()).collect();
+        let out: Vec<_> = verdict.rivals.into_iter().filter(|(_, rival)| rival.is_out()).collect();
+        (verdict, values) = compare(&unknowns, &values, more)?;
         verdict.rivals.extend(out);
     }
     photo.take_for(unknowns.swap_remove(verdict.chosen))?;
-    Ok(Taken { photo, title: vec![verdict.title()], doubts: verdict.doubts(), around: Some(values), asked, found: None })
+    let around = Some(values.swap_remove(verdict.chosen));
+    Ok(Taken { photo, title: vec![verdict.title()], doubts: verdict.doubts(), around, asked, found: None })
 }
 
 /// What `--state` keeps of what is asked, and which of the unknowns it is of.

@@ -53,14 +53,16 @@ pub fn recover(sought: &Sought, effort: Effort, tell: &dyn Fn(&str)) -> Result<R
     slot.map(|slot| near.remove(slot));
     let near: Vec<f64> = near.iter().zip(unknown.bounds()).map(|(value, (low, high))| value.clamp(low, high)).collect();
     let mirror = Sought { evidence: &smooth, unknown: &unknown, kind: Kind { polished: true, ..sought.kind }, ..*sought };
-    // What one has looked at longer are the pixels that tell most of a roughness, which are few and the noisiest: both are asked of all.
-    let (lobe, seen) = (sought.glance(effort, &found.values), mirror.glance(effort, &near));
+    // What one has looked at longer are the pixels that tell most of a roughness, which are few and the noisiest: both are asked of all,
+    // as a quick look has been.
+    let lobe = if effort.quick { found.clone() } else { sought.glance(effort, &found.values) };
+    let seen = mirror.glance(effort, &near);
     if seen.excess(&lobe) < if likely { FARTHER } else { -SURE } {
         let whole = |found: Recovery| if let Some(slot) = slot { with_roughness(found, slot) } else { found };
         let told = |found: &Recovery| (effort.told)(&whole(found.clone()));
         // Light that meets it more often than products tell is that of the values it is looked at with, which those of a lobe are not: of a ball that
-        // light goes through, colours came out .3 to .8 % too bright.
-        let looked = mirror.look(Effort { told: &told, ..effort }, &seen.values);
+        // light goes through, colours came out .3 to .8 % too bright, which tells no type from another.
+        let looked = if effort.quick { seen } else { mirror.look(Effort { told: &told, ..effort }, &seen.values) };
         // One that mirrors as little as it can may be one that does not.
         let dullest = unknown.slots()[SPECULARITY].is_some_and(|slot| looked.values[slot] <= unknown.bounds()[slot].0);
         if !dullest {
