@@ -19,6 +19,7 @@ pub mod model;
 mod polished;
 pub mod predict;
 mod rough;
+pub mod saturated;
 mod scores;
 mod sharpness;
 mod sheet;
@@ -39,6 +40,7 @@ use model::Kind;
 pub use polished::otherwise;
 use rayon::prelude::*;
 use rough::Sought;
+use saturated::Saturated;
 use serde::{Deserialize, Serialize};
 pub use sharpness::Blur;
 use std::time::Instant;
@@ -76,6 +78,8 @@ pub struct Effort<'a> {
     pub around: Option<&'a [f64]>,
     /// Only look at what can be seen at once: enough to compare types of material.
     pub quick: bool,
+    /// Whether pixels that seem [`saturated`] are left out.
+    pub wary: bool,
     /// `rate(i, x)`: by how much the value of parameter i that is told changes with the one that is searched for, where that is x.
     pub rate: &'a (dyn Fn(usize, f64) -> f64 + Sync),
     /// Who is told what each round found.
@@ -108,6 +112,9 @@ pub struct Recovery {
     /// The numbers of those that are far brighter than anything explains. Empty in one that was kept.
     #[serde(skip)]
     pub strays: Vec<usize>,
+    /// Those that were left out as they seem [`saturated`], and the channel in which each does. Empty in one that was kept.
+    #[serde(skip)]
+    pub saturated: Vec<Saturated>,
     /// How much of the derivative by each value is not noise, from 0 to 1. Empty in one that was kept.
     #[serde(skip)]
     pub clarity: Vec<f64>,
@@ -116,7 +123,7 @@ pub struct Recovery {
 impl<'a> Effort<'a> {
     /// To find all that is unknown, wherever it is.
     pub fn new(seed: u64, tolerance: Option<f64>, until: &'a (dyn Fn() -> Option<Instant> + Sync)) -> Self {
-        Self { seed, until, tolerance, around: None, quick: false, rate: &|_, _| 1.0, told: &|_| {} }
+        Self { seed, until, tolerance, around: None, quick: false, wary: true, rate: &|_, _| 1.0, told: &|_| {} }
     }
 
     /// Whether time is over.
@@ -248,10 +255,12 @@ pub fn recover(evidence: &Evidence, unknown: &Unknown, material: MaterialId, eff
             let remedy = "check that it is the right one, and the view and the mask";
             return Err(Error::new(format!("the picture is black wherever it shows `{}`: {remedy}", unknown.material().name)));
         }
-        match Kind::named(&unknown.material().kind) {
+        let (saturated, pixels) = if effort.wary { saturated::apart(&evidence, pixels) } else { (vec![], pixels) };
+        let found = match Kind::named(&unknown.material().kind) {
             Some(kind) => polished::recover(&Sought { evidence: &evidence, unknown, material, kind, pixels: &pixels }, effort, tell),
             None => clear::recover(&evidence, unknown, material, &pixels, effort, tell),
-        }
+        };
+        found.map(|found| Recovery { saturated, ..found })
     };
     let mut found = once(&film, effort)?;
     for _ in 0..MOST_FILTERS {

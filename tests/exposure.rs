@@ -56,15 +56,37 @@ fn another_exposure_is_said_and_a_bound_of_another_size_does_not_hide_it() {
     assert!(!out.contains("around the unknown") && !out.contains("bound"), "{out}");
 }
 
-#[test]
-fn a_pixel_that_nothing_explains_is_named() {
-    let directory = photographed("plastic it 0 0 5 .6 .4 .2 .1 .15", SCENE, "-x 40 -y 40 --spp 300 --seed 5 -ab 1 -o target.exr");
+/// What is said of a picture of a plastic in `scene`, changed so.
+fn told_of(scene: &str, change: impl Fn(&mut [[f32; 3]])) -> String {
+    let directory = photographed("plastic it 0 0 5 .6 .4 .2 .1 .15", scene, "-x 40 -y 40 --spp 300 --seed 5 -ab 1 -o target.exr");
     let path = directory.path();
     let mut picture = Picture::read(&fs::read(path.join("target.exr")).unwrap(), "target.exr").unwrap();
-    picture.pixels[22 * 40 + 18] = [50.0; 3];
+    change(&mut picture.pixels);
     fs::write(path.join("target.exr"), picture.write_exr().unwrap()).unwrap();
-    let out = recovered(path, "-ab 1 --scene scene.rad --target target.exr start.rad");
+    recovered(path, "-ab 1 --scene scene.rad --target target.exr start.rad")
+}
+
+#[test]
+fn a_pixel_that_nothing_explains_is_named() {
+    let out = told_of(SCENE, |pixels| pixels[22 * 40 + 18] = [50.0; 3]);
     assert!(out.contains("# warning: pixels (column,row from the upper left, from 0) 18,22 are far brighter"), "{out}");
+}
+
+#[test]
+fn a_saturated_camera_is_found_out() {
+    let most = |pixels: &[[f32; 3]]| pixels.iter().fold(0.0, |most: f32, p| most.max(p[0]));
+    let out = told_of(SCENE, |pixels| {
+        let most = most(pixels);
+        pixels.iter_mut().flatten().for_each(|v| *v = v.min(0.7 * most));
+    });
+    assert!(out.contains("as where a camera is saturated"), "{out}");
+    found(&out, &[("red", 0.6), ("green", 0.4), ("blue", 0.2)], 0.02);
+    // The side of a box in the sun has one value too, and is as it should be.
+    let boxed = "void light sun 0 0 3 3e4 3e4 3e4\nsun source sun 0 0 4 -1 -3 2 .5\nvoid glow sky 0 0 4 .1 .1 .1 0\nsky source sky 0 0 4 0 0 1 360\n\
+                 !genbox it box 1 1 1 | xform -t -.5 -.5 -.5 -rz 30\n";
+    let rounded = |v: &mut f32| *v = f32::from_bits((v.to_bits() + 0x8000) & 0xffff_0000);
+    let out = told_of(boxed, |pixels| pixels.iter_mut().flatten().for_each(rounded));
+    assert!(!out.contains("saturated") && out.contains("over 483 pixels"), "{out}");
 }
 
 #[test]

@@ -6,6 +6,7 @@ use super::{Console, Input, Outcome};
 use crate::args::anneal::{AUTO, Arguments};
 use crate::error::{Error, Result};
 use crate::rad::Document;
+use crate::recover::saturated::apart;
 use crate::recover::types::{SAMPLES, Sample, Trial, choose};
 use crate::recover::{Effort, Evidence, Recovery, recover};
 use crate::report::Moment;
@@ -72,7 +73,8 @@ pub fn take<'a>(start: &str, target: &str, effort: Effort, arguments: &Arguments
         return Ok(Taken { photo, title, doubts, around: None, asked, found: Some((found, rounds)) });
     }
     let pixels = photo.evidence().pixels(first, photo.material())?;
-    let effort = Effort { quick: true, ..effort };
+    let (_, pixels) = apart(&photo.evidence(), pixels);
+    let effort = Effort { quick: true, wary: false, ..effort };
     let mut compare = |unknowns: &[Unknown], around: &[Vec<f64>], about: usize| {
         let sample = Sample::of(&photo.evidence(), &pixels, about);
         let mut trials = Vec::new();

@@ -243,6 +243,28 @@ impl<'a> Photo<'a> {
         ))
     }
 
+    /// What is to be said of pixels that were left out as they seem saturated, if by what was found most of them should be brighter.
+    pub fn saturated(&self, found: &Recovery) -> Result<Option<String>> {
+        let numbers: Vec<usize> = found.saturated.iter().map(|&(n, _)| n).collect();
+        let world = self.setting().world(&self.unknown.reals(&found.values))?;
+        let (rendering, exposures) = (self.rendered(&world, &numbers), self.unknown.exposures(&found.values));
+        let brighter = |((n, c), pixel): (&(usize, usize), &Pixel)| {
+            let photographed = f64::from(self.target.pixels[*n][*c]);
+            (exposures[*c] * pixel.mean()[*c] > BRIGHTER * photographed).then_some(*n)
+        };
+        let brighter: Vec<usize> = found.saturated.iter().zip(&rendering.pixels).filter_map(brighter).collect();
+        let surely = 2 * brighter.len() > numbers.len();
+        Ok(brighter.first().filter(|_| surely).map(|n| {
+            format!(
+                "{} pixels, as that in column {} and row {} (from the upper left, from 0), have the largest value of their channel, and should be \
+                 brighter, as where a camera is saturated: they and those beside them are left out",
+                brighter.len(),
+                n % self.width(),
+                n / self.width()
+            )
+        }))
+    }
+
     /// The scene with one more lamp, small and far, over the camera's shoulder, that lights as much as light of `radiance` from all around.
     pub fn with_a_lamp(&self, radiance: f64) -> Result<World> {
         let ([forward, right, up], _) = self.film.camera.axes();
@@ -287,6 +309,9 @@ const EXPOSED: [f64; 2] = [0.9, 1.1];
 const LOOKED_AT: usize = 300;
 const FEWEST: usize = 30;
 const ALIKE: f64 = 0.25;
+
+/// By which factor a pixel that seems saturated must be darker than what was found makes it.
+const BRIGHTER: f64 = 1.05;
 
 /// The world of a scene with an unknown material, ready for the picture of a film.
 fn surveyed(scene: Scene, rules: &Rules, unknown: MaterialId, film: &Film) -> Result<World> {

@@ -26,10 +26,18 @@ pub fn recover(start: &str, target: &str, arguments: &Arguments, console: &Conso
         None => {
             let otherwise = photo.otherwise()?;
             let evidence = Evidence { otherwise: otherwise.as_ref(), ..photo.evidence() };
-            let found = recover::recover(&evidence, unknown, photo.material(), effort, &|so_far| console.progress(|| so_far.into()))?;
+            let recovered = |effort: Effort| {
+                recover::recover(&evidence, unknown, photo.material(), effort, &|so_far| console.progress(|| so_far.into()))
+            };
+            let mut found = recovered(effort)?;
+            let saturated = if found.saturated.is_empty() { None } else { photo.saturated(&found)? };
+            // A flat surface that all is seen of tells more.
+            if saturated.is_none() && !found.saturated.is_empty() && until().is_none_or(|until| Instant::now() < until) {
+                found = recovered(Effort { around: Some(&found.values), wary: false, ..effort })?;
+            }
             trail.hear(&found, console);
             let cut = stopped();
-            for doubt in photo.exposed().into_iter().chain(strays(&found, photo.width())) {
+            for doubt in photo.exposed().into_iter().chain(saturated).chain(strays(&found, photo.width())) {
                 title.push(format!("warning: {doubt}"));
                 doubts.push(doubt);
             }

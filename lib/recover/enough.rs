@@ -125,6 +125,7 @@ mod tests {
             pixels: 500,
             losses: vec![],
             strays: vec![],
+            saturated: vec![],
             clarity: vec![clarity],
         };
         (Parameter { name: name.into(), start: 0.5, low: 0.0, high: 1.0 }, found)

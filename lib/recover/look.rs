@@ -330,6 +330,7 @@ impl Look<'_> {
             pixels,
             losses,
             strays,
+            saturated: vec![],
             clarity,
         };
         Fit { found, influence, held, withheld }

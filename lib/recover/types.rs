@@ -272,6 +272,7 @@ mod tests {
                 pixels: 64,
                 losses,
                 strays: vec![],
+                saturated: vec![],
                 clarity: vec![1.0],
             },
         )
