@@ -198,13 +198,31 @@ impl Recovery {
 impl Evidence<'_> {
     /// The pixels that show the unknown, and count; errors if there is none, or one is not finite. In an illumination field it must cover them wholly.
     pub fn pixels(&self, unknown: &Unknown, material: MaterialId) -> Result<Vec<usize>> {
+        self.pixels_in_parts(1, unknown, material)
+    }
+
+    /// The same, but of a large picture no more, in tiles all over it, than a recovery looks at.
+    pub fn enough_pixels(&self, unknown: &Unknown, material: MaterialId) -> Result<Vec<usize>> {
+        self.pixels_in_parts((self.film.width * self.film.height).div_ceil(LARGE), unknown, material)
+    }
+
+    /// The same of a picture in so many parts, of as many parts as have enough.
+    fn pixels_in_parts(&self, parts: usize, unknown: &Unknown, material: MaterialId) -> Result<Vec<usize>> {
         let shown = |n: &usize| {
             // What is seen behind the unknown is not in an illumination field: only pixels that it covers to their corners count.
             let corners = || (0..25).map(|k| [k % 5, k / 5].map(|i| i as f64 / 4.0));
             self.counts(*n)
                 && if self.world.has_field() { corners().all(|at| self.shows(*n, at, material)) } else { self.touches(*n, material) }
         };
-        let pixels: Vec<usize> = (0..self.film.width * self.film.height).into_par_iter().filter(shown).collect();
+        let (width, all) = (self.film.width, self.film.width * self.film.height);
+        let part = |n: usize| mix64((n / width / TILE * width + n % width / TILE) as u64) % parts as u64;
+        let mut pixels = Vec::new();
+        for next in 0..parts as u64 {
+            if pixels.len() < ENOUGH {
+                pixels.par_extend((0..all).into_par_iter().filter(|&n| parts == 1 || part(n) == next).filter(shown));
+            }
+        }
+        pixels.sort_unstable();
         if pixels.is_empty() {
             return Err(Error::new(format!("no pixel of the picture shows `{}`: check the view and the mask", unknown.material().name)));
         }
@@ -250,7 +268,7 @@ pub fn recover(evidence: &Evidence, unknown: &Unknown, material: MaterialId, eff
     let mut film = evidence.film.clone();
     let once = |film: &Film, effort: Effort| {
         let evidence = Evidence { film, ..*evidence };
-        let pixels = evidence.pixels(unknown, material)?;
+        let pixels = evidence.enough_pixels(unknown, material)?;
         if pixels.iter().all(|&n| evidence.target.pixels[n] == [0.0; 3]) {
             let remedy = "check that it is the right one, and the view and the mask";
             return Err(Error::new(format!("the picture is black wherever it shows `{}`: {remedy}", unknown.material().name)));
@@ -270,6 +288,11 @@ pub fn recover(evidence: &Evidence, unknown: &Unknown, material: MaterialId, eff
     }
     Ok(found)
 }
+
+/// So many pixels are searched at a time for the unknown, in tiles of this side, until it is seen in so many: rounds end before they see half of those.
+const LARGE: usize = 1 << 20;
+const TILE: usize = 8;
+const ENOUGH: usize = 40_000;
 
 /// How often a picture is looked at again because its pixels are not blurred as they were taken to be.
 const MOST_FILTERS: usize = 8;

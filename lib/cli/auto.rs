@@ -72,7 +72,7 @@ pub fn take<'a>(start: &str, target: &str, effort: Effort, arguments: &Arguments
         photo.take_for(unknowns.swap_remove(unknown))?;
         return Ok(Taken { photo, title, doubts, around: None, asked, found: Some((found, rounds)) });
     }
-    let pixels = photo.evidence().pixels(first, photo.material())?;
+    let pixels = photo.evidence().enough_pixels(first, photo.material())?;
     let (_, pixels) = apart(&photo.evidence(), pixels);
     let effort = Effort { quick: true, wary: false, ..effort };
     let mut compare = |unknowns: &[Unknown], around: &[Vec<f64>], about: usize| {
