@@ -89,6 +89,8 @@ impl Graph {
     pub fn ternary(&mut self, f: Ternary, operands: [Id; 3]) -> Id {
         match operands.map(|id| self.value(id)) {
             [Some(x), Some(y), Some(z)] => self.constant(f.apply([x, y, z])),
+            // What is wrong with an operand is wrong with it.
+            known if known.iter().flatten().any(|value| value.is_nan()) => self.constant(f64::NAN),
             _ => self.add(Node::Ternary(f, operands)),
         }
     }

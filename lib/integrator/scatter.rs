@@ -86,7 +86,8 @@ impl<B: Clone> Integrator<'_, B> {
     fn ways<T: Transport<Beta = B>>(&mut self, transport: &mut T, vertex: &mut Vertex<T>) -> Ways {
         let (surface, at) = (&*vertex.surface, vertex.at);
         let mut ways = Ways { weights: surface.weights(), counts: [0.0; 4], aims: [0.0; 4], share: [1.0; 6], chosen: None };
-        if at.bounces >= self.rules.ambient_bounces || !vertex.layer.gathers {
+        let last = self.rules.limit_reflections.is_some_and(|most| most > 0 && at.level >= most);
+        if at.bounces >= self.rules.ambient_bounces || last || !vertex.layer.gathers {
             for side in 0..2 {
                 if std::mem::take(&mut ways.weights[side]) > 0.0 && self.rules.ambient_value != Rgb::ZERO {
                     transport.collect(&transport.ambient(vertex.beta, surface, side), self.rules.ambient_value);

@@ -45,15 +45,21 @@ pub fn misfit(sheet: &Sheet, basis: &Basis, halves: &[Half]) -> f64 {
             }
         }
     }
+    // The standard error of the product of two fields' means, by how these differ.
+    let error = |[a, b]: &[Field; 2]| {
+        let (weight, a, b) = (a.weight + b.weight, a.rest / a.weight, b.rest / b.weight);
+        let (middle, noise) = (0.5 * (a + b), 0.5 * (a - b) * (a - b));
+        weight * (2.0 * middle * middle * noise + noise * noise).sqrt()
+    };
     let (mut common, mut squares, mut light) = (0.0, 0.0, 0.0);
     let says = |fields: &[Field; 2]| fields.iter().all(|f| f.pixels >= LEAST && f.weight > 0.0);
     for each in areas.values().flatten().filter(|each| each.iter().all(says)) {
         let sum = |of: &dyn Fn(&Field) -> f64| -> f64 {
             each.iter().map(|[a, b]| (a.weight + b.weight) / (a.weight * b.weight) * of(a) * of(b)).sum()
         };
-        let rest = sum(&|field| field.rest);
-        common += rest;
-        squares += rest * rest;
+        common += sum(&|field| field.rest);
+        // Both halves share the noise of the picture.
+        squares += each.iter().map(error).sum::<f64>().powi(2);
         light += sum(&|field| field.value);
     }
     if common > SURE * squares.sqrt() && light > 0.0 { (common / light).sqrt() } else { 0.0 }

@@ -169,7 +169,6 @@ impl World {
                 instance: found.frame.as_ref(),
                 ..At::surface(direction, hit.normal, hit.point)
             },
-            flipped: false,
             clip: None,
             out,
         };
@@ -183,7 +182,8 @@ impl World {
             }
         }
         if coming.clip.is_some_and(|clip| clip.removes(found.chain)) {
-            return place.show(1.0, None, Rgb::ONE, Vec3::ZERO);
+            let nothing = (Rgb::ONE, Vec3::ZERO);
+            return place.show(1.0, None, nothing, nothing);
         }
         place.walk(found.chain, 1.0, Rgb::ONE, perturbation);
     }
@@ -227,8 +227,6 @@ struct Place<'a> {
     coming: &'a Coming<'a>,
     distance: f64,
     at: At<'a>,
-    /// Whether the surface is shaded as if it faced the other way: where antimatter cuts a body.
-    flipped: bool,
     /// What becomes of a ray that passes, among antimatter.
     clip: Option<Box<Clip>>,
     out: &'a mut dyn FnMut(&Layer),
@@ -240,11 +238,13 @@ impl Place<'_> {
         let chain = &self.world.chains[chain];
         let irradiance = self.rules.irradiance && self.coming.primary;
         // Irradiance is gathered before the material and what is behind it are looked at.
-        let links = if irradiance { &chain.links[..chain.before] } else { &chain.links[..] };
-        let (pattern, perturbation) = apply(links, &self.at, pattern, perturbation);
+        let (links, behind) = chain.links.split_at(chain.before);
+        let before = apply(links, &self.at, pattern, perturbation);
+        let emits = self.world.material_of(chain).is_some_and(|named| named.material.emits());
+        let (pattern, perturbation) = if irradiance && !emits { before } else { apply(behind, &self.at, before.0, before.1) };
         match &chain.end {
-            End::Void => self.show(fraction, None, pattern, perturbation),
-            End::Material(id) => self.show(fraction, Some(*id), pattern, perturbation),
+            End::Void => self.show(fraction, None, before, (pattern, perturbation)),
+            End::Material(id) => self.show(fraction, Some(*id), before, (pattern, perturbation)),
             End::Mixture(coefficient, fore, back) => match coefficient.coefficient(&self.at) {
                 Ok(c) => {
                     for (share, chain) in [(c, *fore), (1.0 - c, *back)] {
@@ -253,15 +253,15 @@ impl Place<'_> {
                         }
                     }
                 }
-                Err(_) => self.show(fraction, None, pattern, perturbation),
+                Err(_) => self.show(fraction, None, before, (pattern, perturbation)),
             },
         }
     }
 
-    /// Shows one layer.
-    fn show(&mut self, fraction: f64, id: Option<MaterialId>, pattern: Rgb, perturbation: Vec3) {
+    /// Shows one layer: its pattern and perturbation, and those `before` its material, which an alternate in its place has too.
+    fn show(&mut self, fraction: f64, id: Option<MaterialId>, before: (Rgb, Vec3), (pattern, perturbation): (Rgb, Vec3)) {
         let world = self.world;
-        let front = (self.at.rdot > 0.0) != self.flipped;
+        let front = self.at.rdot > 0.0;
         let named = id.map(|id| &world.materials[id]);
         let mut layer = Layer {
             fraction,
@@ -291,7 +291,9 @@ impl Place<'_> {
             match &named.material {
                 Material::Antimatter => {}
                 material if material.emits() => {}
-                material if material.nominally_transparent() => return (self.out)(&Layer { material: None, ..layer }),
+                material if material.nominally_transparent() || !front && !self.rules.back_visible && material.backless() => {
+                    return (self.out)(&Layer { material: None, ..layer });
+                }
                 _ => return (self.out)(&Layer { material: Some(&*COLLECTOR), pattern: Rgb::ONE, ..layer }),
             }
         }
@@ -308,7 +310,7 @@ impl Place<'_> {
                     return (self.out)(&layer);
                 }
                 return match named.alternate {
-                    Some(chain) => self.walk(chain, fraction, Rgb::ONE, Vec3::ZERO),
+                    Some(chain) => self.walk(chain, fraction, before.0, before.1),
                     None => (self.out)(&Layer { material: None, ..layer }),
                 };
             }
@@ -319,7 +321,7 @@ impl Place<'_> {
                     |&chain: &ChainId| world.material_of(&world.chains[chain]).is_some_and(|named| named.material.nominally_transparent());
                 let own = self.coming.gathered && front;
                 if let Some(chain) = named.alternate.filter(|chain| relay.is_none() && (!own || clear(chain))) {
-                    return self.walk(chain, fraction, Rgb::ONE, Vec3::ZERO);
+                    return self.walk(chain, fraction, before.0, before.1);
                 }
                 layer.relay = relay.map(|r| r.lamp);
                 if layer.relay.is_some() || self.coming.ambient {
@@ -354,8 +356,9 @@ impl Place<'_> {
                 clip.cut(&named.removes, self.at.rdot > 0.0);
                 self.clip = Some(Box::new(clip));
                 if let Some(chain) = named.alternate.filter(|_| inside) {
-                    self.flipped = true;
-                    return self.walk(chain, fraction, Rgb::ONE, Vec3::ZERO);
+                    // It is shaded as if it faced the other way.
+                    (self.at.normal, self.at.rdot) = (-self.at.normal, -self.at.rdot);
+                    return self.walk(chain, fraction, before.0, before.1);
                 }
                 (layer.material, layer.clip) = (None, self.clip.clone());
             }
@@ -369,7 +372,9 @@ impl Place<'_> {
         // The side of the viewer, and of what is shaded.
         let side = if self.at.rdot > 0.0 { 1.0 } else { -1.0 };
         let (to_viewer, geometric) = (-self.at.direction, self.at.normal * side);
-        let orientation = named.and_then(|n| n.orientation.as_ref()).map_or(Vec3::ZERO, |o| o.perturbation(&self.at));
+        // It goes by the side of the viewer, which textures do not.
+        let turned = At { normal: geometric, rdot: self.at.rdot.abs(), ..self.at };
+        let orientation = named.and_then(|n| n.orientation.as_ref()).map_or(Vec3::ZERO, |o| o.perturbation(&turned));
         let mut point = Point {
             to_viewer,
             geometric,

@@ -25,8 +25,6 @@ pub fn genprism(arguments: &[String], read: Read) -> Result<String> {
             "-r" => radius = number(option, options.next())?,
             "-c" => closed = false,
             "-e" => ends = false,
-            // The original passes over words that are no options.
-            word if !word.starts_with('-') => break,
             _ => return Err(Error::new(format!("unknown option `{option}`; {USAGE}"))),
         }
     }
