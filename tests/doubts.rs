@@ -137,3 +137,15 @@ fn a_picture_in_another_light_is_doubted() {
     assert!(doubted(&scene.replace("-3 -4 4 .3", "-2.2 -4.4 4 .3")));
     assert!(doubted(&format!("{LAMP}{STILL}")));
 }
+
+#[test]
+fn so_is_a_small_one_that_a_held_value_does_not_explain() {
+    let scene = format!("{LAMP}{UNIFORM}{STILL}");
+    let directory = photographed("plastic it 0 0 5 .6 .3 .2 .1 .2", &scene, "-x 24 -y 24 --spp 128 --seed 5 -ab 2 -o target.hdr");
+    for (held, doubted) in [("", false), ("--fix green", true)] {
+        let arguments = format!("-ab 2 {held} --scene scene.rad --target target.hdr start.rad");
+        let done = run(env!("CARGO_BIN_EXE_anneal"), directory.path(), &arguments);
+        let said = String::from_utf8(done.stderr).unwrap();
+        assert_eq!(said.contains("whole areas of the picture"), doubted, "{said}");
+    }
+}

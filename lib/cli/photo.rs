@@ -107,6 +107,13 @@ impl<'a> Photo<'a> {
         let place = flat.primitives.iter().rposition(is_it);
         let place = place.ok_or_else(|| unknown.material().error("it is not in the scene"))?;
 
+        let (material, defined) = (unknown.material(), |of: &[Primitive]| of.iter().any(|p| p.name == unknown.material().modifier));
+        if !defined(&flat.primitives[..place]) && defined(&flat.primitives[place..]) {
+            let modifier = &material.modifier;
+            let problem =
+                format!("the scene defines `{modifier}`, but what is unknown stands before it: put `{modifier}` into this file, above");
+            return Err(material.modifier_error(problem).into());
+        }
         let rules = arguments.light.rules(&|file| scene::list(&disk, file))?;
         let scene = Scene::new(&flat, &disk, false)?;
         scene.warnings.iter().for_each(|w| console.warn(w));

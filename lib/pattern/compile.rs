@@ -251,6 +251,7 @@ fn arguments(kind: &str) -> &'static str {
         "brightfunc" => "expression, function file, transform",
         "colorfunc" => "expressions for red, green and blue, function file, transform",
         "texfunc" => "expressions for x, y and z, function file, transform",
+        "plastic2" | "metal2" | "trans2" | "ashik2" => "expressions for ux, uy and uz, function file, transform",
         "colorpict" => "functions for red, green and blue, picture, function file, expressions for u and v, transform",
         "brightdata" => "function, data file, function file, an expression for each dimension of the data, transform",
         "colordata" | "texdata" => {
