@@ -127,7 +127,7 @@ impl<'a> Effort<'a> {
     }
 
     /// Whether time is over.
-    fn late(&self) -> bool {
+    pub fn late(&self) -> bool {
         (self.until)().is_some_and(|until| Instant::now() >= until)
     }
 
@@ -215,11 +215,11 @@ impl Evidence<'_> {
                 && if self.world.has_field() { corners().all(|at| self.shows(*n, at, material)) } else { self.touches(*n, material) }
         };
         let (width, all) = (self.film.width, self.film.width * self.film.height);
-        let part = |n: usize| mix64((n / width / TILE * width + n % width / TILE) as u64) % parts as u64;
+        let part = |n: usize| mix64(tile(n, width, TILE) as u64) % parts as u64;
         let mut pixels = Vec::new();
         for next in 0..parts as u64 {
             if pixels.len() < ENOUGH {
-                pixels.par_extend((0..all).into_par_iter().filter(|&n| parts == 1 || part(n) == next).filter(shown));
+                pixels.par_extend((0..all).into_par_iter().filter(|&n| part(n) == next).filter(shown));
             }
         }
         pixels.sort_unstable();
@@ -293,6 +293,11 @@ pub fn recover(evidence: &Evidence, unknown: &Unknown, material: MaterialId, eff
 const LARGE: usize = 1 << 20;
 const TILE: usize = 8;
 const ENOUGH: usize = 40_000;
+
+/// The number of the square, of so many pixels a side, that a pixel is in; rising from row to row of squares.
+fn tile(pixel: usize, width: usize, side: usize) -> usize {
+    pixel / width / side * width + pixel % width / side
+}
 
 /// How often a picture is looked at again because its pixels are not blurred as they were taken to be.
 const MOST_FILTERS: usize = 8;

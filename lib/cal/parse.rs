@@ -167,8 +167,8 @@ fn name(input: &str) -> Parsed<'_, String> {
 fn channel(input: &str) -> Parsed<'_, u32> {
     let (rest, (_, digits)) = lexeme((char('$'), digit1)).parse(input)?;
     match digits.parse() {
-        Ok(n @ 1..=27) => Ok((rest, n)),
-        _ => failure(input.len(), "channels are numbered from 1 to 27"),
+        Ok(n @ 1..) => Ok((rest, n)),
+        _ => failure(input.len(), "channels are numbered from 1"),
     }
 }
 

@@ -93,10 +93,8 @@ pub fn take<'a>(start: &str, target: &str, effort: Effort, arguments: &Arguments
     let (mut verdict, mut values) = compare(&unknowns, &[], few)?;
     if !verdict.sure && pixels.len() > few {
         // More pixels tell what is near the values that a few have found.
-        let left = |i: &usize| !verdict.rivals[*i].1.is_out();
-        let left: Vec<usize> = (0..unknowns.len()).filter(left).collect();
-        unknowns = left.iter().map(|&i| unknowns[i].clone()).collect();
-        values = left.iter().map(|&i| values[i].clone()).collect();
+        let left = unknowns.into_iter().zip(values).zip(&verdict.rivals).filter(|(_, (_, rival))| !rival.is_out());
+        (unknowns, values) = left.map(|(left, _)| left).unzip();
         let out: Vec<_> = verdict.rivals.into_iter().filter(|(_, rival)| rival.is_out()).collect();
         (verdict, values) = compare(&unknowns, &values, more)?;
         verdict.rivals.extend(out);

@@ -10,6 +10,7 @@ use crate::expand::{Flat, expand};
 use crate::metric::{self, Loss, Named};
 use crate::picture::{Header, Picture};
 use crate::rad::{Class, Document, Number, Primitive};
+use crate::recover::saturated::Saturated;
 use crate::recover::{Evidence, Recovery, otherwise};
 use crate::render::{Budget, Film, Filter, Pixel, Rendering, Task, render};
 use crate::report::{Setting, Views};
@@ -252,10 +253,13 @@ impl<'a> Photo<'a> {
 
     /// What is to be said of pixels that were left out as they seem saturated, if by what was found most of them should be brighter.
     pub fn saturated(&self, found: &Recovery) -> Result<Option<String>> {
+        if found.saturated.is_empty() {
+            return Ok(None);
+        }
         let numbers: Vec<usize> = found.saturated.iter().map(|&(n, _)| n).collect();
         let world = self.setting().world(&self.unknown.reals(&found.values))?;
         let (rendering, exposures) = (self.rendered(&world, &numbers), self.unknown.exposures(&found.values));
-        let brighter = |((n, c), pixel): (&(usize, usize), &Pixel)| {
+        let brighter = |((n, c), pixel): (&Saturated, &Pixel)| {
             let photographed = f64::from(self.target.pixels[*n][*c]);
             (exposures[*c] * pixel.mean()[*c] > BRIGHTER * photographed).then_some(*n)
         };

@@ -30,9 +30,9 @@ pub fn recover(start: &str, target: &str, arguments: &Arguments, console: &Conso
                 recover::recover(&evidence, unknown, photo.material(), effort, &|so_far| console.progress(|| so_far.into()))
             };
             let mut found = recovered(effort)?;
-            let saturated = if found.saturated.is_empty() { None } else { photo.saturated(&found)? };
+            let saturated = photo.saturated(&found)?;
             // A flat surface that all is seen of tells more.
-            if saturated.is_none() && !found.saturated.is_empty() && until().is_none_or(|until| Instant::now() < until) {
+            if saturated.is_none() && !found.saturated.is_empty() && !effort.late() {
                 found = recovered(Effort { around: Some(&found.values), wary: false, ..effort })?;
             }
             trail.hear(&found, console);

@@ -228,6 +228,7 @@ fn errors_point_at_the_word() {
     let files = files();
     let mut sources = Sources::new(&files);
     for (text, expected) in [
+        ("void brightfunc p 2 noise3(Px,mx,Py) . 0 0", "mx"),
         ("void brightfunc p 1 2 0 0", "p.rad:1:6: error: brightfunc needs more than 1 string arguments: expression, function file"),
         ("void brightfunc p 2 Px*zz . 0 0", "p.rad:1:24: error: undefined variable 'zz'"),
         ("void brightfunc p 2 \"Px * zz\" . 0 0", "undefined variable 'zz'"),

@@ -6,7 +6,7 @@ use super::fit::{Valley, derivatives};
 use super::misfit::misfit;
 use super::scores::{BOUNDINGS, Evaluation, STEPS, Scores, Way, influence, pictures, products, total};
 use super::sheet::{Channels, Sheet, mean, weight};
-use super::{Effort, Evidence, Recovery, Seeds};
+use super::{Effort, Evidence, Recovery, Seeds, tile};
 use crate::anneal::Parameter;
 use crate::anneal::linear::Symmetric;
 use crate::sampling::mix64;
@@ -230,7 +230,7 @@ impl Look<'_> {
         let first = model.first();
         let foreseen = (asked.len() > first.pixels && !self.effort.late()).then(|| model.telling(asked, mix64(self.effort.seed)));
         let Some(telling) = foreseen.flatten() else { return (pixels, None) };
-        let places: Vec<&[usize]> = asked.chunk_by(|a, b| first.squares && square(*a, width) == square(*b, width)).collect();
+        let places: Vec<&[usize]> = asked.chunk_by(|a, b| first.squares && tile(*a, width, SQUARE) == tile(*b, width, SQUARE)).collect();
         let mut telling = telling.into_iter();
         let means: Vec<f64> = places.iter().map(|place| telling.by_ref().take(place.len()).sum::<f64>() / place.len() as f64).collect();
         let mut falling: Vec<usize> = (0..places.len()).collect();
@@ -416,13 +416,8 @@ fn shared(mean: f64, influence: &[f64], have: &[f32]) -> Vec<Range<u32>> {
 /// Pixels in an order in which each first part of them is spread over the picture, in squares that keep neighbours together.
 pub fn scattered(pixels: &[usize], width: usize) -> Vec<usize> {
     let mut pixels = pixels.to_vec();
-    pixels.sort_by_key(|n| mix64(square(*n, width) as u64));
+    pixels.sort_by_key(|n| mix64(tile(*n, width, SQUARE) as u64));
     pixels
-}
-
-/// The square that a pixel is in.
-fn square(pixel: usize, width: usize) -> usize {
-    pixel / width / SQUARE * width + pixel % width / SQUARE
 }
 
 /// The side of a square, in pixels.

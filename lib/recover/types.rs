@@ -4,7 +4,7 @@
 //! scatter. Pixels go together with their neighbours, so they are summed by blocks first.
 
 use super::model::{Kind, parts};
-use super::{Evidence, Recovery};
+use super::{Evidence, Recovery, tile};
 use crate::anneal::Parameter;
 use crate::unknown::Unknown;
 use std::collections::BTreeMap;
@@ -131,23 +131,18 @@ impl Sample {
         let pixels = kept(pixels, width, about);
         let mut mask = vec![0.0; width * evidence.film.height];
         pixels.iter().for_each(|&n| mask[n] = evidence.mask.map_or(1.0, |mask| mask[n]));
-        Self { mask, blocks: pixels.iter().map(|&n| block(n, width)).collect() }
+        Self { mask, blocks: pixels.iter().map(|&n| tile(n, width, BLOCK)).collect() }
     }
-}
-
-/// The number of the block of a pixel, in a picture of that width.
-fn block(pixel: usize, width: usize) -> usize {
-    pixel / width / BLOCK * width.div_ceil(BLOCK) + pixel % width / BLOCK
 }
 
 /// The pixels of some blocks, about so many; all if they are few.
 fn kept(pixels: &[usize], width: usize, about: usize) -> Vec<usize> {
-    let mut blocks: Vec<usize> = pixels.iter().map(|&n| block(n, width)).collect();
+    let mut blocks: Vec<usize> = pixels.iter().map(|&n| tile(n, width, BLOCK)).collect();
     blocks.sort_unstable();
     blocks.dedup();
     // Multiples of the golden ratio leave no pattern that the picture could have too.
     let share = about as f64 / pixels.len() as f64;
-    let counts = |n: &usize| (blocks.binary_search(&block(*n, width)).unwrap_or(0) as f64 * 0.618_033_988_749_895).fract() < share;
+    let counts = |n: &usize| (blocks.binary_search(&tile(*n, width, BLOCK)).unwrap_or(0) as f64 * 0.618_033_988_749_895).fract() < share;
     pixels.iter().copied().filter(counts).collect()
 }
 

@@ -240,8 +240,8 @@ impl Place<'_> {
         // Irradiance is gathered before the material and what is behind it are looked at.
         let (links, behind) = chain.links.split_at(chain.before);
         let before = apply(links, &self.at, pattern, perturbation);
-        let emits = self.world.material_of(chain).is_some_and(|named| named.material.emits());
-        let (pattern, perturbation) = if irradiance && !emits { before } else { apply(behind, &self.at, before.0, before.1) };
+        let emits = || self.world.material_of(chain).is_some_and(|named| named.material.emits());
+        let (pattern, perturbation) = if irradiance && !emits() { before } else { apply(behind, &self.at, before.0, before.1) };
         match &chain.end {
             End::Void => self.show(fraction, None, before, (pattern, perturbation)),
             End::Material(id) => self.show(fraction, Some(*id), before, (pattern, perturbation)),
@@ -373,8 +373,8 @@ impl Place<'_> {
         let side = if self.at.rdot > 0.0 { 1.0 } else { -1.0 };
         let (to_viewer, geometric) = (-self.at.direction, self.at.normal * side);
         // It goes by the side of the viewer, which textures do not.
-        let turned = At { normal: geometric, rdot: self.at.rdot.abs(), ..self.at };
-        let orientation = named.and_then(|n| n.orientation.as_ref()).map_or(Vec3::ZERO, |o| o.perturbation(&turned));
+        let turned = || At { normal: geometric, rdot: self.at.rdot.abs(), ..self.at };
+        let orientation = named.and_then(|n| n.orientation.as_ref()).map_or(Vec3::ZERO, |o| o.perturbation(&turned()));
         let mut point = Point {
             to_viewer,
             geometric,
