@@ -47,6 +47,10 @@ fn a_scene_is_printed_flat_and_canonical() {
     let flat = "void light m\n0\n0\n3 1 1 1\n\nvoid alias a m\n\nm sphere \"up.a b\"\n0\n0\n4 0.5 1 1.5 2\n\nm polygon p\n0\n0\n9\n  0 0 0\n  1 0 0\n  0 1 0\n\n#@probe 1 2 3 sky\n";
     assert_eq!(printed(&[], scene), flat);
     assert_eq!(printed(&["-"], flat), flat);
+    // Meshes and octrees bear their transform as words.
+    let placed = printed(&[], "!echo void mesh a 3 pot.rtm -rz 90 0 0 | xform -t 1 2 3\nvoid instance b 5 b.oct -t 1 2 3 0 0\n");
+    let flat = "void mesh a\n9 pot.rtm -rz 90 -i 1 -t 1 2 3\n0\n0\n\nvoid instance b\n5 b.oct -t 1 2 3\n0\n0\n\n";
+    assert_eq!(placed, flat);
 }
 
 #[test]
