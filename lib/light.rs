@@ -22,6 +22,8 @@ pub struct Lamp {
     pub extent: LightShape,
     /// Its brightness for choosing among lamps: the radiance it emits, in W/(sr·m²), without patterns.
     pub brightness: f64,
+    /// What that is multiplied with where it is known how much of a view it lights (see `World::survey`), else 1.
+    pub chance: f64,
     /// The distance within which it lights: infinite but for a glow.
     pub radius: f64,
     /// Spotlights: the length of the aim vector, a focal distance behind the lamp.
@@ -251,6 +253,7 @@ impl Lamp {
             return 0.0;
         }
         self.brightness
+            * self.chance
             * match &self.form {
                 Form::Distant(_, spread) => 2.0 * PI * spread,
                 Form::Shape(surface) => {

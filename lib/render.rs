@@ -22,7 +22,7 @@ use crate::geometry::Ray;
 use crate::integrator::{Integrator, Radiance};
 use crate::picture::{pixel_count, reserve};
 use crate::rules::Rules;
-use crate::sampling::{Sampler, disk};
+use crate::sampling::{LATTICE, Sampler, disk};
 use crate::vector::Vec3;
 use crate::view::{Camera, View};
 use crate::world::World;
@@ -75,15 +75,25 @@ pub struct Film {
 
 impl Film {
     /// The largest picture of a view that fits into `x` × `y` pixels of the aspect `pa` (height over width; 0: any), each of which takes in the
-    /// light of its area. Errors if it has more pixels than any picture, or than there is memory for.
+    /// light of its area. Errors if it has more pixels than any picture.
     pub fn new(view: &View, x: usize, y: usize, pa: f64) -> Result<Self> {
         if x == 0 || y == 0 {
             return Err(Error::new("a picture needs at least one pixel: -x and -y must be above 0"));
         }
         let camera = view.ready()?;
         let (width, height) = camera.resolution(x, y, pa);
-        reserve(&mut Vec::<Pixel>::new(), pixel_count(width, height)?)?;
+        pixel_count(width, height)?;
         Ok(Self { camera, width, height, filter: Filter::boxed(1.0) })
+    }
+
+    /// The same with so few pixels in a row and in a column at most, each in the place of as many as are too many.
+    pub fn at_most(&self, most: usize) -> Self {
+        match self.width.max(self.height).div_ceil(most) {
+            ..=1 => self.clone(),
+            times => {
+                Self { width: self.width.div_ceil(times), height: self.height.div_ceil(times), filter: Filter::boxed(1.0), ..self.clone() }
+            }
+        }
     }
 
     /// The same with pixels that take in light by another filter.
@@ -91,10 +101,25 @@ impl Film {
         Self { filter, ..self }
     }
 
+    /// Errors if there is no memory for a rendering of it.
+    pub fn fits_memory(&self) -> Result<()> {
+        reserve(&mut Vec::<Pixel>::new(), self.width * self.height)
+    }
+
+    /// The numbers of about so many pixels, spread over its rows and columns alike; of all, if it has no more.
+    pub fn some(&self, count: usize) -> impl Iterator<Item = usize> {
+        let (width, height) = (self.width, self.height);
+        let all = width * height <= count;
+        (0..count.min(width * height)).map(move |i| {
+            let [x, y] = LATTICE.map(|step| ((i + 1) as f64 * step).fract());
+            if all { i } else { (y * height as f64) as usize * width + (x * width as f64) as usize }
+        })
+    }
+
     /// Rays of about a thousand of the pixels, spread over all.
     pub fn some_rays(&self) -> impl Iterator<Item = Ray> {
-        let (count, lens) = (self.width * self.height, self.lens());
-        (0..count).step_by((count / 1000).max(1) | 1).filter_map(move |number| {
+        let lens = self.lens();
+        self.some(1000).filter_map(move |number| {
             let (origin, direction, _) = lens(number, [0.5; 2])?;
             Some(Ray { origin, direction })
         })
@@ -271,7 +296,13 @@ struct Sample {
     weight: f64,
 }
 
-impl Task<'_> {
+impl<'a> Task<'a> {
+    /// All pixels of a film, whose lens is `lens`, seen sharply.
+    pub fn new(world: &'a World, rules: &'a Rules, film: &Film, lens: Lens<'a>, budget: Budget, seed: u64) -> Self {
+        let (count, centred) = (film.width * film.height, film.filter.is_point());
+        Self { world, rules, count, width: film.width, lens, centred, blur: None, budget, first: 0, seed }
+    }
+
     /// A sample of pixel `i` of some, which has this number.
     fn sample(&self, suns: &Suns, number: usize, i: usize, set: usize, index: u32) -> Sample {
         let mut sampler = Sampler::new(self.seed, number as u64, set as u32, index);
@@ -359,5 +390,28 @@ impl Task<'_> {
                 }
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn some_pixels_are_of_all_rows_and_columns() {
+        for (width, height) in [(400, 300), (1001, 1000), (40, 300), (300, 7)] {
+            let film = Film::new(&View::default(), width, height, 0.0).unwrap();
+            let some: Vec<[usize; 2]> = film.some(300).map(|n| [n % width, n / width]).collect();
+            assert_eq!(some.len(), 300);
+            for (axis, size) in [width, height].into_iter().enumerate() {
+                for tenth in 0..10.min(size) {
+                    let parts = 10.min(size);
+                    let count = some.iter().filter(|place| place[axis] * parts / size == tenth).count();
+                    assert!((300 / parts * 4 / 5..=300 / parts * 6 / 5 + 1).contains(&count), "{width} x {height}: {count} in {tenth}");
+                }
+            }
+        }
+        let film = Film::new(&View::default(), 20, 10, 0.0).unwrap();
+        assert!(film.some(300).eq(0..200));
     }
 }

@@ -7,6 +7,7 @@ mod build;
 mod clip;
 mod field;
 mod globes;
+mod hidden;
 mod layers;
 mod open;
 

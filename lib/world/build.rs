@@ -240,7 +240,18 @@ impl World {
             return Ok(None);
         }
         let shared = focus == 0.0 && !illum;
-        self.lamps.push(Lamp { form, extent, brightness, radius, focus, shared, weak: illum || glow, relay: None, windows: vec![] });
+        self.lamps.push(Lamp {
+            form,
+            extent,
+            brightness,
+            chance: 1.0,
+            radius,
+            focus,
+            shared,
+            weak: illum || glow,
+            relay: None,
+            windows: vec![],
+        });
         Ok(Some(self.lamps.len() - 1))
     }
 

@@ -10,6 +10,7 @@ use crate::color::{Rgb, bright};
 use crate::geometry::Ray;
 use crate::panorama::{Panorama, Place};
 use crate::rules::Rules;
+use crate::sampling::LATTICE;
 use crate::vector::Vec3;
 
 /// What a view has of the environment.
@@ -26,25 +27,24 @@ const LEAST: f64 = 0.1;
 /// Rows of a panorama: those of a picture of a thousand columns, as environments mostly are.
 const ROWS: usize = 2 * ENVIRONMENT_ROWS;
 
-/// Steps of a lattice that is even in each of its two dimensions (Roberts 2018, "The unreasonable effectiveness of quasirandom sequences").
-const LATTICE: [f64; 2] = [0.754_877_666_246_692_8, 0.569_840_290_998_053_2];
-
 impl World {
-    /// Finds out how open the surfaces that `rays` see are to the environment.
+    /// Finds out how open the surfaces that `rays` see are to the environment, and which lamps these have in sight.
     pub fn survey(&mut self, rays: impl Iterator<Item = Ray>, rules: &Rules) {
+        let rays: Vec<Ray> = rays.collect();
+        self.look_for_lamps(&rays);
         if self.has_environment() {
-            let share = self.reached(rays, rules);
+            let share = self.reached(&rays, rules);
             self.open = (share >= LEAST).then(|| Open { share, panoramas: self.panoramas() });
         }
     }
 
     /// The part of the light of the environment that reaches the diffuse surfaces that rays see.
-    fn reached(&self, rays: impl Iterator<Item = Ray>, rules: &Rules) -> f64 {
+    fn reached(&self, rays: &[Ray], rules: &Rules) -> f64 {
         let (mut reached, mut all) = (0.0, 0.0);
-        for (i, ray) in rays.enumerate() {
-            let Some(hit) = self.nearest(&ray, f64::INFINITY) else { continue };
+        for (i, ray) in rays.iter().enumerate() {
+            let Some(hit) = self.nearest(ray, f64::INFINITY) else { continue };
             let u = LATTICE.map(|step| (i as f64 * step).fract());
-            let coming = Coming::viewer(&ray);
+            let coming = Coming::viewer(ray);
             self.layers(&hit, &coming, rules, &mut |layer| {
                 let bsdf = layer.bsdf(rules);
                 for part in [Part::DiffuseReflection, Part::DiffuseTransmission] {

@@ -1,0 +1,109 @@
+//! Which lamps are hidden from what a view shows: few samples are for these.
+//!
+//! A lamp is chosen by how bright it would be ([`Lamp::importance`](crate::light::Lamp::importance)). The sun outside a room takes nearly all samples
+//! by that, and lights nothing, or a patch. Where a lamp lights a part v of the places that are looked at, and these by f, the variance of the whole is least
+//! if it is chosen in proportion to the root of the mean square, f √v (Owen 2013, "Monte Carlo theory, methods and examples", section 9.11).
+
+use super::{End, World};
+use crate::geometry::Ray;
+use crate::material::Material;
+use crate::sampling::{LATTICE, cosine_hemisphere};
+use crate::scene::ChainId;
+use crate::vector::{Frame, Vec3};
+
+/// Shadow rays to all lamps together, at the most: few milliseconds.
+const MOST_RAYS: usize = 16_000;
+/// Panes and the like that light may pass.
+const MOST_PASSED: usize = 8;
+
+/// A place of a surface that is looked at.
+struct Lit {
+    place: Vec3,
+    /// Its unit normal on the side it is seen from, unless it lets light on.
+    normal: Option<Vec3>,
+}
+
+impl World {
+    /// Finds out which lamps the surfaces that rays see, and what these are lit by, have in sight.
+    pub(super) fn look_for_lamps(&mut self, rays: &[Ray]) {
+        if self.lamps.len() < 2 {
+            return;
+        }
+        let places: Vec<Lit> = rays.iter().enumerate().flat_map(|(i, ray)| self.looked_at(ray, i)).collect();
+        let step = (places.len() * self.lamps.len()).div_ceil(MOST_RAYS).max(1) | 1;
+        let chances: Vec<f64> = (0..self.lamps.len())
+            .map(|lamp| {
+                let asked = places.iter().step_by(step).enumerate();
+                let lights: Vec<bool> = asked.filter_map(|(i, place)| self.lights(lamp, place, i)).collect();
+                // Half a place more than were seen: what is hidden from these may light others.
+                let seen = lights.iter().filter(|seen| **seen).count() as f64;
+                ((seen + 0.5) / (lights.len() as f64 + 0.5)).sqrt()
+            })
+            .collect();
+        self.lamps.iter_mut().zip(chances).for_each(|(lamp, chance)| lamp.chance = chance);
+    }
+
+    /// Where a ray ends, and where one of the rays from there does.
+    fn looked_at(&self, ray: &Ray, number: usize) -> impl Iterator<Item = Lit> {
+        let first = self.met(ray);
+        let second = first.as_ref().and_then(|lit| {
+            let direction = Frame::around(lit.normal?).to_world(cosine_hemisphere(LATTICE.map(|step| (number as f64 * step).fract())));
+            self.met(&Ray { origin: lit.place, direction })
+        });
+        first.into_iter().chain(second)
+    }
+
+    fn met(&self, ray: &Ray) -> Option<Lit> {
+        let hit = self.nearest(ray, f64::INFINITY)?;
+        let facing = if hit.normal.dot(ray.direction) < 0.0 { hit.normal } else { -hit.normal };
+        Some(Lit { place: hit.point, normal: (!self.lets_on(self.find(&hit).chain)).then_some(facing) })
+    }
+
+    /// Whether a lamp lights a place, in some direction to it; `None` where it never does, wherever other things are.
+    fn lights(&self, lamp: usize, lit: &Lit, number: usize) -> Option<bool> {
+        if self.lamps[lamp].importance(lit.place) <= 0.0 {
+            return None;
+        }
+        let u = LATTICE.map(|step| (number as f64 * step).fract());
+        let Some(to) = self.lamps[lamp].sample(lit.place, u) else { return Some(false) };
+        Some(
+            lit.normal.is_none_or(|normal| normal.dot(to.direction) > 0.0)
+                && self.is_in_sight(lamp, Ray { origin: lit.place, direction: to.direction }, to.distance),
+        )
+    }
+
+    /// Whether a ray toward a lamp, so far away, may get there.
+    fn is_in_sight(&self, lamp: usize, mut ray: Ray, mut distance: f64) -> bool {
+        // What is seen in a mirror stands behind it.
+        let mirror = self.lamps[lamp].relay.map(|relay| relay.mirror);
+        for _ in 0..MOST_PASSED {
+            let Some(hit) = self.nearest(&ray, distance * (1.0 - 1e-6)) else { return true };
+            let found = self.find(&hit);
+            if found.lamp == Some(lamp) || mirror == Some(hit.surface) {
+                return true;
+            }
+            if !self.lets_on(found.chain) {
+                return false;
+            }
+            distance -= hit.t;
+            ray.origin = hit.point;
+        }
+        true
+    }
+
+    /// Whether light may go on through what a chain ends in.
+    fn lets_on(&self, chain: ChainId) -> bool {
+        match self.chains[chain].end {
+            End::Void => true,
+            End::Mixture(_, fore, back) => self.lets_on(fore) || self.lets_on(back),
+            End::Material(m) => match &self.materials[m].material {
+                Material::Reflectance(reflectance) => reflectance.transmits,
+                Material::Ashikhmin(_) | Material::Mirror(_) | Material::Light(_) | Material::Glow(..) | Material::Spotlight(..) => false,
+                Material::Illum(_) => self.materials[m].alternate.is_none_or(|chain| self.lets_on(chain)),
+                Material::Functions(_) | Material::Dielectric(_) | Material::Interface(..) | Material::Glass(_) | Material::Antimatter => {
+                    true
+                }
+            },
+        }
+    }
+}
