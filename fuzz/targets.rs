@@ -23,7 +23,7 @@ use inverad::render;
 use inverad::resolve::Files;
 use inverad::rules::Rules;
 use inverad::sampling::Sampler;
-use inverad::scene::Scene;
+use inverad::scene::{Reading, Scene};
 use inverad::vector::{Affine, Vec3};
 use inverad::view::View;
 use inverad::world::World;
@@ -256,7 +256,7 @@ pub fn scene(data: &[u8]) {
         Err(error) => return shown(&[error]),
     };
     let rules = Rules { ambient_bounces: 2, ..Rules::default() };
-    let world = match Scene::new(&flat, &files, false).and_then(|scene| World::new(scene, &rules)) {
+    let world = match Scene::new(&flat, &files, &Reading::default()).and_then(|scene| World::new(scene, &rules)) {
         Ok(world) => world,
         Err(error) => return shown(&[error]),
     };

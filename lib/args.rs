@@ -9,10 +9,10 @@ use crate::rad::decode;
 use crate::render::WIDEST;
 use clap::builder::{OsStringValueParser, TypedValueParser};
 use clap::{ArgAction, CommandFactory, Parser};
-use spelling::{Rewritten, is_radiance, is_switch, rewrite};
+use spelling::{Rewritten, attached, is_radiance, is_switch, rewrite};
 use std::any::TypeId;
 use std::ffi::OsString;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 pub mod anneal;
 pub mod imgdiff;
@@ -36,7 +36,7 @@ pub struct Common {
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
 
-    /// No progress and no remarks
+    /// No progress and no notes; warnings and errors remain
     #[arg(short, long)]
     pub quiet: bool,
 
@@ -53,6 +53,13 @@ pub struct Common {
     completions: Option<clap_complete::Shell>,
 }
 
+impl Common {
+    /// Where the result goes: to a file, or for `-` to standard output.
+    pub fn output(&self) -> &Path {
+        self.output.as_deref().unwrap_or(Path::new("-"))
+    }
+}
+
 /// Options of the programs that read scene descriptions.
 #[derive(clap::Args, Clone, Debug, Default)]
 pub struct Scenes {
@@ -60,6 +67,23 @@ pub struct Scenes {
     /// process, unless all are denied [default: refuse others; RAD_COMMANDS=allow allows them]
     #[arg(long, value_name = "allow|deny", help_heading = "Common options", hide_possible_values = true)]
     pub commands: Option<Commands>,
+}
+
+/// Options of the programs that render scenes.
+#[derive(clap::Args, Clone, Debug, Default)]
+#[command(next_help_heading = "Reading scenes")]
+pub struct Reading {
+    /// Definitions of names for the expressions in the scene, as in a function file
+    #[arg(long = "e", value_name = "NAME=EXPR", value_parser = definition, action = ArgAction::Append)]
+    pub definitions: Vec<String>,
+
+    /// A function file with such definitions
+    #[arg(short = 'f', value_name = "FILE", action = ArgAction::Append)]
+    pub function_files: Vec<String>,
+
+    /// Leave out surfaces whose material is not supported, and say so, instead of refusing the scene
+    #[arg(long)]
+    pub skip_unsupported: bool,
 }
 
 /// What was said of commands in scene files.
@@ -178,16 +202,26 @@ fn usage(error: &clap::Error) -> Error {
     Error::new(message + " (--help lists all options)")
 }
 
-/// The text with the two dashes of RADIANCE's short names become `dash`.
+/// The text with the two dashes of RADIANCE's short names become `dash`, and what is attached to a letter shown so.
 fn one_dash(text: &str, dash: &str) -> String {
     let mut out = String::with_capacity(text.len());
     let mut rest = text;
     while let Some(at) = rest.find("--") {
         let name = rest[at + 2..].split(|c: char| !c.is_ascii_alphanumeric() && c != '-').next().unwrap_or_default();
         out += &rest[..at];
+        rest = &rest[at + 2 + name.len()..];
+        if let Some(letter) = attached(name) {
+            // Its value follows without a blank.
+            out += dash;
+            out.push(letter);
+            if let Some((end, value)) = [r"\fR ", " "].iter().find_map(|end| Some((end, rest.strip_prefix(end)?))) {
+                out += end.trim_end();
+                rest = value;
+            }
+            continue;
+        }
         out += if !name.is_empty() && is_radiance(name) { dash } else { "--" };
         out += name;
-        rest = &rest[at + 2 + name.len()..];
     }
     out + rest
 }

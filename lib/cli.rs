@@ -28,6 +28,7 @@ pub mod report;
 pub mod search;
 
 mod disk;
+mod remarks;
 mod scene;
 mod signal;
 mod stream;
@@ -149,9 +150,11 @@ impl Console {
         self.say("warning", message);
     }
 
-    /// Says what the user may want to know.
+    /// Says what the user may want to know, if he does not want quiet.
     pub fn note(&self, message: &str) {
-        self.say("note", message);
+        if !self.quiet {
+            self.say("note", message);
+        }
     }
 
     /// Shows how far the work is, at most ten times a second on a terminal, once a second elsewhere. `text` is only made when shown.
@@ -174,10 +177,8 @@ impl Console {
     }
 
     fn say(&self, kind: &str, message: &str) {
-        if !self.quiet {
-            self.clear();
-            let _ = writeln!(io::stderr(), "{}: {kind}: {}", self.tool, one_line(message));
-        }
+        self.clear();
+        let _ = writeln!(io::stderr(), "{}: {kind}: {}", self.tool, one_line(message));
     }
 
     /// Takes the line of progress away.

@@ -40,7 +40,9 @@ impl Loss {
             Self::Relative => square / relative_to(reference, average),
             Self::Log => {
                 let [reference, value] = [reference, value].map(|v| v.max(0.0) + EPSILON.sqrt() * average);
-                (value / reference).ln().powi(2) - variance / (value * value)
+                let logarithm = (value / reference).ln();
+                // E[ln²(v + ε)/r] = ln² v/r + (1 - ln v/r) var ε / v² + …
+                logarithm.powi(2) - (1.0 - logarithm) * variance / (value * value)
             }
         }
     }
@@ -321,6 +323,12 @@ mod tests {
             let noisy: f64 = (0..100_000).map(|i| loss.of(3.0, 4.0 + 0.2 * f64::from(noise(i)), 0.02, 3.0)).sum();
             let clean = loss.of(3.0, 4.0, 0.0, 3.0);
             assert!((noisy / 1e5 / clean - 1.0).abs() < 0.01, "{loss:?}: {} {clean}", noisy / 1e5);
+        }
+        // However far the logarithm is off.
+        for reference in [0.5, 4.0, 32.0] {
+            let [low, clean, high] =
+                [(3.98, 0.0004), (4.0, 0.0), (4.02, 0.0004)].map(|(v, variance)| Loss::Log.of(reference, v, variance, 1e-9));
+            assert!((0.5 * (low + high) - clean).abs() < 0.01 * 0.0004 / 16.0, "{reference}: {low} {clean} {high}");
         }
     }
 

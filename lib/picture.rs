@@ -239,6 +239,18 @@ pub(crate) fn pixel_count(width: usize, height: usize) -> Result<usize> {
     }
 }
 
+/// Pixels row by row, `from` in a row, as `width` × `height` means of the finite ones that are in the same part of the whole.
+pub fn shrunk<const N: usize>(pixels: &[[f32; N]], from: usize, width: usize, height: usize) -> Vec<[f32; N]> {
+    let rows = pixels.len() / from;
+    let mut sums = vec![([0.0; N], 0.0); width * height];
+    for (n, pixel) in pixels.iter().enumerate().filter(|(_, pixel)| pixel.iter().all(|v| v.is_finite())) {
+        let (sum, count) = &mut sums[n / from * height / rows * width + n % from * width / from];
+        (0..N).for_each(|c| sum[c] += pixel[c]);
+        *count += 1.0;
+    }
+    sums.into_iter().map(|(sum, count)| sum.map(|v| v / f32::max(count, 1.0))).collect()
+}
+
 /// Takes memory for `count` elements, or says that there is not enough.
 pub(crate) fn reserve<T>(list: &mut Vec<T>, count: usize) -> Result<()> {
     list.try_reserve_exact(count).map_err(|_| Error::new(format!("not enough memory for {count} pixels")))
@@ -315,5 +327,12 @@ mod tests {
     fn sizes_are_checked_before_memory_is_taken() {
         assert!(pixel_count(1 << 14, 1 << 14).is_ok() && pixel_count(1 << 14, (1 << 14) + 1).is_err());
         assert!(pixel_count(usize::MAX, 2).is_err() && pixel_count(0, 5).is_err());
+    }
+    #[test]
+    fn a_shrunk_picture_holds_the_means_of_what_is_finite() {
+        let pixels: Vec<[f32; 1]> = (0..15).map(|n| [if n == 6 { f32::NAN } else { n as f32 }]).collect();
+        // Five in a row: three of the first three and two of the last two go together, and two rows of three.
+        assert_eq!(shrunk(&pixels, 5, 2, 2), [[(0.0 + 1.0 + 2.0 + 5.0 + 7.0) / 5.0], [(3.0 + 4.0 + 8.0 + 9.0) / 4.0], [11.0], [13.5]]);
+        assert_eq!(shrunk(&pixels[..5], 5, 5, 1), pixels[..5]);
     }
 }

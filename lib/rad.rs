@@ -40,6 +40,18 @@ pub struct Primitive {
     words: Arc<[u32]>,
 }
 
+/// What is wrong with a text that is no scene description from its beginning on.
+fn foreign(text: &str) -> Option<&'static str> {
+    let is_picture = || text.lines().take_while(|line| !line.is_empty()).any(|line| line.starts_with("FORMAT=32-bit_rle_"));
+    if text.starts_with('\u{feff}') {
+        Some("the file begins with a byte order mark, which RADIANCE takes for a part of the first word; save it as UTF-8 without one")
+    } else if text.starts_with("#?RADIANCE") && is_picture() || text.starts_with("v/1\u{1}") {
+        Some("this is a picture, not a scene description; give --target or the like for it, or name the scene")
+    } else {
+        None
+    }
+}
+
 /// After so many errors no more are looked for.
 pub const ERROR_LIMIT: usize = 1000;
 
@@ -78,6 +90,10 @@ impl Document {
     }
 
     fn parse_some_errors(source: Arc<Source>, limit: usize) -> (Self, Vec<Error>) {
+        if let Some(problem) = foreign(&source.text) {
+            let error = Span::new(&source, 0, source.text.chars().next().map_or(0, char::len_utf8)).error(problem);
+            return (Self { source, statements: vec![], changes: BTreeMap::new() }, vec![error]);
+        }
         let (statements, errors) = parse::statements(&source, limit);
         (Self { source, statements, changes: BTreeMap::new() }, errors)
     }

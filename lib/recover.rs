@@ -9,6 +9,7 @@ mod clear;
 pub mod doubts;
 mod drift;
 mod enough;
+pub mod exposure;
 mod fit;
 mod foresight;
 mod gram;
@@ -29,7 +30,7 @@ use crate::anneal::linear::Symmetric;
 use crate::error::{Error, Result};
 use crate::geometry::Ray;
 use crate::picture::Picture;
-use crate::render::{Film, Filter};
+use crate::render::{Budget, Film, Filter, Rendering, Task, render};
 use crate::rules::Rules;
 use crate::sampling::mix64;
 use crate::scene::MaterialId;
@@ -179,6 +180,11 @@ impl Recovery {
         scores::farther_off(&self.losses, &other.losses)
     }
 
+    /// The same without the pixel that speaks most against that.
+    fn excess_but_one(&self, other: &Self) -> f64 {
+        scores::farther_off_but_one(&self.losses, &other.losses)
+    }
+
     /// How far all its pixels are off.
     fn loss(&self) -> f64 {
         self.losses.iter().map(|(_, loss)| loss).sum()
@@ -230,6 +236,14 @@ impl Evidence<'_> {
             Some(wrong) => Err(Error::new(format!("the picture's {wrong}; leave them out with --mask"))),
             None => Ok(pixels),
         }
+    }
+
+    /// Some pixels of a world in its view, by a few samples each.
+    pub fn rendered(&self, world: &World, pixels: &[usize], seed: u64) -> Rendering {
+        let lens = self.film.lens();
+        let of_pixel = |i: usize, at| lens(pixels[i], at);
+        let task = Task::new(world, self.rules, self.film, &of_pixel, Budget::Samples(SAMPLES), seed);
+        render(&Task { count: pixels.len(), width: pixels.len(), ..task }, &|| false, &mut |_| {})
     }
 
     /// Whether a pixel counts.
@@ -288,6 +302,9 @@ pub fn recover(evidence: &Evidence, unknown: &Unknown, material: MaterialId, eff
     }
     Ok(found)
 }
+
+/// Samples of a pixel that is rendered anew.
+const SAMPLES: u32 = 32;
 
 /// So many pixels are searched at a time for the unknown, in tiles of this side, until it is seen in so many: rounds end before they see half of those.
 const LARGE: usize = 1 << 20;

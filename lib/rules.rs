@@ -3,8 +3,9 @@
 //! The default is the converged picture: everything an option would cut or approximate is left whole. An option that
 //! is given means what it means in RADIANCE.
 
+pub mod rendered;
+
 use crate::color::Rgb;
-use crate::picture::command_words;
 use std::collections::HashSet;
 
 /// The rules a picture is computed by. `Default` is the converged picture.
@@ -99,47 +100,5 @@ impl Rules {
     /// Whether RADIANCE's limits hold, rather than a roulette that leaves no bias.
     pub fn limited(&self) -> bool {
         self.limit_weight.is_some() || self.limit_reflections.is_some()
-    }
-}
-
-/// What of rough reflection the last of RADIANCE's renderers in a picture's header changed, where a specularity may be as small as `least`: a sentence
-/// each. How much too bright: a metal ball in light from everywhere by `rpict -st 0 -ab 1`, with `-ss 1` and with `-ss 8`.
-pub fn shortcuts<'a>(lines: impl IntoIterator<Item = &'a str>, least: f64) -> Vec<String> {
-    let commands = lines.into_iter().map(command_words).filter(|words| matches!(words.first(), Some(&"rpict" | &"rtrace")));
-    let Some(words) = commands.last() else { return vec![] };
-    let option = |name: &str, default: f64| {
-        let given = words.iter().rposition(|word| *word == name).and_then(|at| words.get(at + 1)?.parse().ok());
-        (given.unwrap_or(default), format!("{name} {}", given.map_or(format!("{default}, its default"), |value: f64| value.to_string())))
-    };
-    let ((threshold, st), (sampling, ss)) = (option("-st", 0.15), option("-ss", 1.0));
-    let mut found = Vec::new();
-    let mut say = |option: String, harm: &str, remedy: &str| {
-        found.push(format!("the target was rendered by {} with {option}: {harm}; render it with {remedy}", words[0]));
-    };
-    if threshold > least {
-        say(st, "a specularity up to that mirrors nothing but lamps there, and comes out too small", "-st 0");
-    }
-    if sampling == 0.0 {
-        say(ss, "rough surfaces reflect like mirrors there", "-ss 2");
-    } else if sampling <= UNWEIGHTED {
-        say(ss, "rough surfaces reflect too much there, 3 % at a roughness of .1 and 8 % at .2", "-ss 2");
-    }
-    found
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn shortcuts_of_renderings_are_read_off_their_headers() {
-        let said = |lines: &[&str], least| shortcuts(lines.iter().copied(), least);
-        assert!(said(&["rpict -st 0 -ss 8 -vf a.vf a.oct", "pfilt -x /2"], 0.0).is_empty());
-        assert!(said(&["rtrace-rs -ab 2", "SOFTWARE= RADIANCE rtrace, -st .15"], 0.0).is_empty());
-        let defaults = said(&["/usr/bin/rpict -vf a.vf a.oct", "\tpfilt -x /2"], 0.0);
-        assert!(defaults[0].starts_with("the target was rendered by rpict with -st 0.15, its default: "), "{defaults:?}");
-        assert!(defaults[1].starts_with("the target was rendered by rpict with -ss 1, its default: "), "{defaults:?}");
-        let [only] = &said(&["rtrace -st .3 -ss 0 -st .1 a.oct"], 0.2)[..] else { panic!() };
-        assert_eq!(only, "the target was rendered by rtrace with -ss 0: rough surfaces reflect like mirrors there; render it with -ss 2");
     }
 }

@@ -137,17 +137,21 @@ pub enum End {
     Mixture(Arc<Mixture>, ChainId, ChainId),
 }
 
-impl Scene {
-    /// The scene that `flat` describes. With `skip_unsupported`, surfaces whose material is not rendered are left out, with a warning.
-    pub fn new(flat: &Flat, resolve: &dyn Resolve, skip_unsupported: bool) -> Result<Self> {
-        Self::with(flat, resolve, skip_unsupported, Vec::new())
-    }
+/// How a description is read.
+#[derive(Clone, Debug, Default)]
+pub struct Reading {
+    /// Whether surfaces whose material is not rendered are left out, with a warning, instead of refused.
+    pub skip_unsupported: bool,
+    /// Definitions that the expressions in it may use: texts in the language of function files.
+    pub definitions: Vec<Arc<Source>>,
+}
 
-    /// The same, with definitions that the expressions in it may use: texts in the language of function files.
-    pub fn with(flat: &Flat, resolve: &dyn Resolve, skip_unsupported: bool, definitions: Vec<Arc<Source>>) -> Result<Self> {
-        let mut builder = Builder::new(resolve, skip_unsupported);
-        for text in definitions {
-            builder.define_names(text)?;
+impl Scene {
+    /// The scene that `flat` describes.
+    pub fn new(flat: &Flat, resolve: &dyn Resolve, reading: &Reading) -> Result<Self> {
+        let mut builder = Builder::new(resolve, reading.skip_unsupported);
+        for text in &reading.definitions {
+            builder.define_names(text.clone())?;
         }
         builder.scene.warnings.clone_from(&flat.warnings);
         let mut surfaces = Vec::new();

@@ -82,7 +82,7 @@ mod tests {
     use crate::expand::expand;
     use crate::rad::{Class, Document, TYPES};
     use crate::resolve::Files;
-    use crate::scene::Scene;
+    use crate::scene::{Reading, Scene};
 
     #[test]
     fn every_type_is_in_the_table_once() {
@@ -100,7 +100,7 @@ mod tests {
             let text = format!("void {} m {} {strings} 0 0\n{modifier} sphere s 0 0 4 0 0 0 1", t.name, t.strings.0);
             let files = Files::default();
             let flat = expand(vec![Document::parse(Source::new("t.rad", text)).unwrap()], &files).unwrap();
-            let refused = Scene::new(&flat, &files, false).is_err_and(|e| e.message.contains("is not rendered"));
+            let refused = Scene::new(&flat, &files, &Reading::default()).is_err_and(|e| e.message.contains("is not rendered"));
             assert_eq!(refused, Feature::of(t.name).is_some_and(|f| !f.rendered), "{}", t.name);
         }
     }

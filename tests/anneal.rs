@@ -65,6 +65,25 @@ fn the_file_of_a_candidate_is_one_word_wherever_it_is() {
 }
 
 #[test]
+fn an_answer_takes_the_place_of_the_one_before() {
+    let directory = directory();
+    let search = |exec: &str| run(directory.path(), &["--exec", exec, "--steps", "30", "-o", "start.rad", "start.rad"]);
+    let done = search("echo 4");
+    assert_eq!(done.status.code(), Some(0), "{}", text(&done.stderr));
+    let first = fs::read_to_string(directory.path().join("start.rad")).unwrap();
+    assert!(
+        first.contains("# red 0.50 ± 0.29: not determined\n") && first.matches("not determined: the chi-squareds").count() == 5,
+        "{first}"
+    );
+    search(FAKE);
+    let second = fs::read_to_string(directory.path().join("start.rad")).unwrap();
+    assert!(
+        second.matches("# chi2 ").count() == 1 && !second.contains("not determined") && second.contains("\n# the horse\nvoid metal"),
+        "{second}"
+    );
+}
+
+#[test]
 fn a_command_leads_to_the_material() {
     let directory = directory();
     let done = run(directory.path(), &["--exec", FAKE, "--steps", "150", "--log", "log.jsonl", "start.rad"]);
@@ -98,7 +117,9 @@ fn the_same_command_gives_the_same_bytes_and_another_seed_another_way() {
 #[test]
 fn a_killed_search_goes_on_to_the_same_bytes() {
     let directory = directory();
-    let slow = format!("sleep .01; {FAKE}");
+    let lamp = directory.path().join("lamp");
+    fs::write(&lamp, "on").unwrap();
+    let slow = format!("sleep .01; test -e lamp || exit 1; {FAKE}");
     let arguments = |state: &'static str, log: &'static str| {
         ["--exec", &slow, "--steps", "150", "--state", state, "--log", log, "start.rad"].map(String::from)
     };
@@ -119,7 +140,8 @@ fn a_killed_search_goes_on_to_the_same_bytes() {
         assert_eq!(fs::read(directory.path().join(a)).unwrap(), fs::read(directory.path().join(b)).unwrap(), "{a}");
     }
     // A finished search is not done again; with more steps it goes on.
-    let again = run(directory.path(), &["--exec", "false", "--steps", "150", "--state", "cut", "start.rad"]);
+    fs::remove_file(lamp).unwrap();
+    let again = run(directory.path(), &arguments("cut", "cut.jsonl").each_ref().map(String::as_str));
     assert_eq!(text(&again.stdout), text(&whole.stdout), "{}", text(&again.stderr));
 }
 
@@ -131,6 +153,8 @@ fn a_state_is_not_taken_for_another_search() {
     let other = run(directory.path(), &["--exec", FAKE, "--steps", "20", "--state", "s", "--fix", "rough", "start.rad"]);
     assert_eq!(other.status.code(), Some(2));
     assert!(text(&other.stderr).contains("s: it keeps a search with other options; remove it"), "{}", text(&other.stderr));
+    let other = run(directory.path(), &["--exec", "echo 77", "--steps", "20", "--state", "s", "start.rad"]);
+    assert!(text(&other.stderr).contains("another command"), "{}", text(&other.stderr));
     fs::write(directory.path().join("other.rad"), START.replace(".5", ".6")).unwrap();
     let other = run(directory.path(), &["--exec", FAKE, "--steps", "20", "--state", "s", "other.rad"]);
     assert!(text(&other.stderr).contains("another start file"), "{}", text(&other.stderr));
@@ -225,10 +249,15 @@ fn a_time_limit_is_kept() {
 #[test]
 fn a_closed_pipe_ends_it_quietly() {
     let directory = directory();
-    let line =
-        format!("'{}' --exec '{}' --steps 5 start.rad | true; echo ${{PIPESTATUS[0]}}", env!("CARGO_BIN_EXE_anneal"), "sleep .05; echo 1");
+    let line = format!(
+        "'{}' --exec '{}' --steps 5 --report page start.rad | true; echo ${{PIPESTATUS[0]}}",
+        env!("CARGO_BIN_EXE_anneal"),
+        "sleep .05; echo 1"
+    );
     let done = Command::new("bash").current_dir(directory.path()).args(["-c", &line]).output().unwrap();
     assert_eq!((text(&done.stdout).as_str(), text(&done.stderr).as_str()), ("0\n", ""));
+    // The page is not lost.
+    assert!(fs::read_to_string(directory.path().join("page")).unwrap().ends_with("</html>\n"));
 }
 
 #[test]

@@ -118,11 +118,20 @@ fn in_less_time_it_is_less_sure() {
 #[test]
 fn a_view_that_is_not_the_pictures_is_told() {
     let directory = photographed("plastic it 0 0 5 .6 .4 .2 .1 .2", &format!("{UNIFORM}{BALL}"), "-x 16 -y 16 --spp 4 -o target.hdr");
-    for (view, told) in [("-vp 0 -5 1 -vd 0 1 -.2 -vh 30 -vv 30", true), ("-vp 0 -5 1 -vd 0 1 -.2 -vh 26 -vv 26", false)] {
-        let arguments = format!("--time .01 --scene scene.rad {view} --target target.hdr start.rad");
+    let [elsewhere, misshapen, bounces] =
+        ["target.hdr says that it was taken from elsewhere (VIEW= ", "each 0.75 times as high as wide by this view", "leave -ab out"];
+    for (options, told) in [
+        ("-vh 30 -vv 30", vec![elsewhere]),
+        ("-vh 26 -vv 26", vec![]),
+        ("-vh 26 -vv 19.64", vec![elsewhere, misshapen]),
+        ("-vh 26 -vv 26 -ab 1", vec![bounces]),
+    ] {
+        let arguments = format!("--time .01 --scene scene.rad -vp 0 -5 1 -vd 0 1 -.2 {options} --target target.hdr start.rad");
         let done = run(env!("CARGO_BIN_EXE_anneal"), directory.path(), &arguments);
         let said = String::from_utf8(done.stderr).unwrap();
-        assert_eq!(said.contains("target.hdr says that it was taken from elsewhere (VIEW= "), told, "{said}");
+        for message in [elsewhere, misshapen, bounces] {
+            assert_eq!(said.contains(message), told.contains(&message), "{options}: {message}: {said}");
+        }
     }
 }
 

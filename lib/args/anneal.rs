@@ -1,7 +1,7 @@
 //! The options of anneal.
 
 use super::rtrace::Light;
-use super::{Common, Scenes, ViewWords, radius};
+use super::{Common, Reading, Scenes, ViewWords, radius};
 use crate::anneal::Options;
 use crate::error::{Error, Result};
 use crate::metric::Loss;
@@ -28,7 +28,7 @@ use std::time::Duration;
 pub struct Arguments {
     /// The file with the unknown material (- is standard input); or a step of a search that is driven from outside:
     /// `propose STATE` prints the next candidate (the first time give START.rad and options too), `tell STATE CHI2` takes its
-    /// chi-squared (without CHI2 the last number on standard input), `best STATE` prints the best so far
+    /// chi-squared (without CHI2 what a program prints there, as --exec reads it), `best STATE` prints the best so far
     #[arg(value_name = "START.rad", required = true, num_args = 1..=3, allow_negative_numbers = true)]
     pub words: Vec<String>,
 
@@ -53,6 +53,10 @@ pub struct Arguments {
     pub light: Light,
 
     /// How scenes are read.
+    #[command(flatten)]
+    pub reading: Reading,
+
+    /// Which programs scenes may run.
     #[command(flatten)]
     pub scene_options: Scenes,
 
@@ -109,8 +113,8 @@ pub struct Photo {
 #[derive(clap::Args, Clone, Debug)]
 #[command(next_help_heading = "Judge")]
 pub struct Judge {
-    /// Run COMMAND in the shell for each candidate: the file is $MATERIAL (and {}), $STAGE is 1 and more, chi-squared is the last
-    /// number printed. 'oconv $MATERIAL scene.rad > t.oct && rpict -vf cam.vf t.oct | imgdiff photo.hdr -' uses RADIANCE
+    /// Run COMMAND in the shell for each candidate: the file is $MATERIAL (and {}), $STAGE is 1 and more, chi-squared is what it
+    /// prints as chi2, as imgdiff does, or else the last number. 'oconv $MATERIAL scene.rad > t.oct && rpict -vf cam.vf t.oct | imgdiff photo.hdr -' uses RADIANCE
     #[arg(long, value_name = "COMMAND")]
     pub exec: Option<String>,
 }
@@ -270,6 +274,12 @@ impl Arguments {
         }
         if matches!(words[..], ["propose" | "tell" | "best", _, ..]) && (self.search.state.is_some() || self.search.log.is_some()) {
             return Err(Error::new(format!("{} keeps the search in the file after it, and no log; leave --state and --log out", words[0])));
+        }
+        let photo = &self.photo;
+        if matches!(words[..], ["propose" | "tell" | "best", ..])
+            && (!photo.scene.is_empty() || photo.target.is_some() || self.judge.exec.is_some())
+        {
+            return Err(Error::new(format!("{} renders nothing and runs nothing: leave --scene, --target and --exec out", words[0])));
         }
         match words[..] {
             ["propose", state] => Ok(Job::Propose(state.into(), None)),

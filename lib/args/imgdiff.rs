@@ -4,6 +4,8 @@ use super::Common;
 use crate::metric::Measures;
 use std::path::PathBuf;
 
+/// The name of the measure that stands for all others, beside others and in JSON.
+pub const CHI2: &str = "chi2";
 /// What is printed after the measures: what B was multiplied with, and the degrees of freedom.
 pub const SCALE: &str = "scale";
 /// See [`SCALE`].
@@ -96,7 +98,7 @@ impl Metric {
     /// Its name and its value.
     pub fn of(self, m: &Measures) -> (&'static str, f64) {
         match self {
-            Self::Chi2 => ("chi2", m.chi2),
+            Self::Chi2 => (CHI2, m.chi2),
             Self::Mse => ("mse", m.mse),
             Self::Rmse => ("rmse", m.rmse()),
             Self::Relmse => ("relmse", m.relmse),

@@ -12,7 +12,7 @@ pub use modes::ends_in;
 pub use rays::RayOptions;
 pub use tuning::Tuning;
 
-use super::{Common, Radius, Scenes, ViewWords, radius};
+use super::{Common, Radius, Reading, Scenes, ViewWords, radius};
 use crate::color::Rgb;
 use crate::error::{Error, Result};
 use crate::picture::PRIMARIES;
@@ -55,23 +55,15 @@ pub struct Arguments {
 
     /// How scenes are read.
     #[command(flatten)]
+    pub reading: Reading,
+
+    /// Which programs scenes may run.
+    #[command(flatten)]
     pub scene_options: Scenes,
-
-    /// Definitions of names for the expressions in the scene, as in a function file
-    #[arg(long = "e", value_name = "NAME=EXPR", value_parser = super::definition, action = ArgAction::Append)]
-    pub definitions: Vec<String>,
-
-    /// A function file with such definitions
-    #[arg(short = 'f', value_name = "FILE", action = ArgAction::Append)]
-    pub function_files: Vec<String>,
 
     /// The files named are parts of a picture, made with --samples: join them
     #[arg(long, conflicts_with_all = ["error", "spp", "samples", "time", "z", "aov", "coverage"])]
     pub merge: bool,
-
-    /// Leave out surfaces whose material is not supported, and say so, instead of refusing the scene
-    #[arg(long)]
-    pub skip_unsupported: bool,
 
     /// Say on standard error what each given option does, and which defaults are not RADIANCE's
     #[arg(long)]

@@ -45,6 +45,11 @@ pub fn is_radiance(name: &str) -> bool {
     name.len() <= 2 || WORDS.contains(&name)
 }
 
+/// The letter that a long option stands for, if its value is attached to one.
+pub fn attached(name: &str) -> Option<char> {
+    ATTACHED.iter().find(|(_, long, _)| *long == name).map(|(letter, ..)| *letter)
+}
+
 /// Whether an option is one of RADIANCE's switches: a long name of RADIANCE's with one Boolean value.
 pub fn is_switch(argument: &Arg) -> bool {
     argument.get_long().is_some_and(is_radiance)

@@ -50,7 +50,7 @@ pub fn take<'a>(start: &str, target: &str, effort: Effort, arguments: &Arguments
     if arguments.unknown.kind.as_deref() != Some(AUTO) {
         let (document, wishes) = opened(start, arguments)?;
         let photo = Photo::new(&Unknown::new(document, &wishes)?, Some(target), arguments, console)?;
-        let asked = Asked::new(start, arguments, photo.read());
+        let asked = Asked::new(start, arguments, photo.digest());
         let found = kept(&asked, from_ref(photo.unknown()), arguments)?.map(|(kept, _)| (kept.found, kept.rounds));
         return Ok(Taken { photo, title: vec![], doubts: vec![], around: None, asked, found });
     }
@@ -67,7 +67,7 @@ pub fn take<'a>(start: &str, target: &str, effort: Effort, arguments: &Arguments
         return Err(Error::new("--type auto: no type can be tried; give bounds with --param NAME=START:LOW:HIGH").into());
     };
     let mut photo = Photo::new(first, Some(target), arguments, console)?;
-    let asked = Asked::new(start, arguments, photo.read());
+    let asked = Asked::new(start, arguments, photo.digest());
     if let Some((Kept { title, doubts, found, rounds, .. }, unknown)) = kept(&asked, &unknowns, arguments)? {
         photo.take_for(unknowns.swap_remove(unknown))?;
         return Ok(Taken { photo, title, doubts, around: None, asked, found: Some((found, rounds)) });

@@ -51,17 +51,17 @@ impl<'a> Disk<'a> {
     }
 
     /// A number that any change of what was read so far changes, whatever the order.
-    pub fn read(&self) -> u64 {
+    pub fn digest(&self) -> u64 {
         self.read.load(Ordering::Relaxed)
     }
 
-    /// Counts something that was read.
-    pub fn count(&self, bytes: &[u8]) {
-        self.read.fetch_add(number(bytes), Ordering::Relaxed);
+    /// Counts something that was read under a name.
+    pub fn count(&self, name: &str, bytes: &[u8]) {
+        self.read.fetch_add(mix64(number(name.as_bytes()) ^ number(bytes).rotate_left(1)), Ordering::Relaxed);
     }
 
-    fn counted(&self, bytes: Result<Vec<u8>>) -> Result<Vec<u8>> {
-        bytes.inspect(|bytes| self.count(bytes))
+    fn counted(&self, name: &str, path: impl AsRef<Path>) -> Result<Vec<u8>> {
+        file(path).inspect(|bytes| self.count(name, bytes))
     }
 }
 
@@ -75,23 +75,23 @@ fn number(bytes: &[u8]) -> u64 {
 
 impl Resolve for Disk<'_> {
     fn scene(&self, path: &str) -> Result<Vec<u8>> {
-        self.counted(file(path))
+        self.counted(path, path)
     }
 
     fn library(&self, name: &str) -> Result<Vec<u8>> {
         if name.starts_with(['/', '.']) || Path::new(name).is_absolute() {
-            return self.counted(file(name));
+            return self.counted(name, name);
         }
         if let Some(rest) = name.strip_prefix('~') {
             let Some(home) = std::env::var_os("HOME").filter(|_| rest.starts_with('/')) else {
                 return Err(Error::new(format!("{name}: only your own home directory is known by ~; write the whole path")));
             };
-            return self.counted(file(Path::new(&home).join(rest.trim_start_matches('/'))));
+            return self.counted(name, Path::new(&home).join(rest.trim_start_matches('/')));
         }
         // As in RADIANCE, an empty entry is the current directory, and what cannot be opened in one place is looked for in the next.
         let mut places = self.raypath.iter().map(|directory| directory.join(native(name)));
         if let Some(found) = places.find(|path| path.is_file() && std::fs::File::open(path).is_ok()) {
-            return self.counted(file(found));
+            return self.counted(name, found);
         }
         if let Some(text) = cal::shipped(name) {
             return Ok(text.into());
@@ -117,7 +117,7 @@ impl Resolve for Disk<'_> {
         if !status.success() {
             self.console.warn(&format!("command {command}: {status}; what it printed is used"));
         }
-        self.count(&output);
+        self.count(command, &output);
         Ok(output)
     }
 
@@ -176,6 +176,18 @@ mod tests {
         let absent = disk.library("absent.cal").unwrap_err().to_string();
         assert!(absent.contains(&first.path().display().to_string()) && absent.contains("RAYPATH"));
         assert!(disk.library("./curves.cal").is_err(), "a name with a dot in front is not searched");
+    }
+
+    #[test]
+    fn the_digest_tells_which_file_holds_what_in_any_order() {
+        let console = silent();
+        let digest = |files: [(&str, &str); 2]| {
+            let disk = disk(&[], Commands::Deny, &console);
+            files.iter().for_each(|(name, text)| disk.count(name, text.as_bytes()));
+            disk.digest()
+        };
+        assert_eq!(digest([("a.cal", "1"), ("b.cal", "2")]), digest([("b.cal", "2"), ("a.cal", "1")]));
+        assert_ne!(digest([("a.cal", "1"), ("b.cal", "2")]), digest([("a.cal", "2"), ("b.cal", "1")]));
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use super::search::Objective;
 use super::signal;
 use super::stream::plain;
-use crate::args::imgdiff::{DOF, SCALE};
+use crate::args::imgdiff::{CHI2, DOF, SCALE};
 use crate::error::{Error, Result};
 use crate::expand::quoted;
 use crate::unknown::Unknown;
@@ -66,7 +66,10 @@ impl Objective for Exec<'_> {
             return Err(Error::new(format!("--exec: the command ended with {status}{complaint}")));
         }
         let printed = tail(&out).map_err(failed)?;
-        last_number(&printed).ok_or_else(|| match printed.trim() {
+        chi2(&printed).ok_or_else(|| match printed.trim() {
+            _ if is_binary(&printed) => {
+                Error::new(format!("--exec: the command printed no text (a picture?); pipe it into imgdiff photo.hdr -{complaint}"))
+            }
             "" => Error::new(format!("--exec: the command printed nothing; its last program must print chi-squared{complaint}")),
             _ => Error::new(format!(
                 "--exec: the command printed no number but `{}`{complaint}",
@@ -76,11 +79,24 @@ impl Objective for Exec<'_> {
     }
 }
 
-/// The last word that is a number, but for what imgdiff says after chi-squared.
-pub fn last_number(text: &str) -> Option<f64> {
-    let measures = text.lines().filter(|line| !line.split(' ').next().is_some_and(|name| [SCALE, DOF].contains(&name)));
+/// Chi-squared among what a program printed: what imgdiff names so, else the last word that is a number, but for what imgdiff says after it.
+pub fn chi2(text: &str) -> Option<f64> {
+    if is_binary(text) {
+        return None;
+    }
+    let named = |line: &str| match serde_json::from_str(line) {
+        Ok(serde_json::Value::Object(measures)) => measures.get(CHI2)?.as_f64(),
+        _ => line.strip_prefix(CHI2)?.strip_prefix(' ')?.trim().parse().ok(),
+    };
     let between = |c: char| c.is_whitespace() || matches!(c, ',' | ';' | '=' | ':' | '(' | ')');
-    measures.rev().find_map(|line| line.split(between).rev().find_map(|word| word.parse().ok()))
+    let other = |line: &&str| line.starts_with('{') || line.split(' ').next().is_some_and(|name| [SCALE, DOF].contains(&name));
+    let last = |line: &str| line.split(between).rev().find_map(|word| word.parse().ok());
+    text.lines().rev().find_map(named).or_else(|| text.lines().filter(|line| !other(line)).rev().find_map(last))
+}
+
+/// Whether it holds what no text does.
+fn is_binary(text: &str) -> bool {
+    text.contains(['\0', char::REPLACEMENT_CHARACTER])
 }
 
 /// The end of what was printed to a file.
@@ -118,6 +134,9 @@ mod tests {
         assert_eq!(run("echo chi2=$STAGE").unwrap(), 2.0);
         assert_eq!(run("echo 3; echo '(chi2: -1.5e-3)'; echo done").unwrap(), -1.5e-3);
         assert_eq!(run("echo 0.25; echo scale 1.5; echo dof 768").unwrap(), 0.25);
+        assert_eq!(run("echo chi2 0.25; echo mse 1; echo max 7").unwrap(), 0.25);
+        assert_eq!(run(r#"echo '{"chi2":0.25,"max_at":{"channel":"red","x":3,"y":4},"pixels":900}'"#).unwrap(), 0.25);
+        assert!(run(r#"echo '{"mse":0.25,"pixels":900}'"#).unwrap_err().message.contains("no number"));
         assert_eq!(run("cat; yes | head -c 200000; echo 7; yes | head -c 200000 >&2").unwrap(), 7.0);
     }
 
@@ -131,5 +150,6 @@ mod tests {
         assert!(message("true").contains("printed nothing; its last program must print chi-squared"));
         assert!(message("echo hello; echo oops >&2").contains("no number but `hello`; it said: oops"));
         assert!(message("/no/such/program").contains("/no/such/program"));
+        assert!(message("echo -Y 32 +X 32; head -c 4 /dev/zero").contains("printed no text (a picture?); pipe it into imgdiff"));
     }
 }

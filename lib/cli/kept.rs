@@ -33,25 +33,32 @@ pub struct Kept {
 /// What was asked: all that an answer depends on.
 #[derive(Clone, Serialize, Deserialize, PartialEq, Eq)]
 pub struct Asked {
+    /// Whom: the version of the program.
+    #[serde(default)]
+    version: String,
     /// The options.
     options: String,
     /// A number that any change of the files that were read changes.
     read: u64,
 }
 
+const VERSION: &str = env!("CARGO_PKG_VERSION");
+
 impl Asked {
     /// What these arguments ask of files with that number.
     pub fn new(start: &str, arguments: &Arguments, read: u64) -> Self {
-        let Arguments { photo, unknown, light, scene_options, common, search, .. } = arguments;
-        let options =
-            format!("{start:?} {photo:?} {unknown:?} {light:?} {scene_options:?} {} {:?} {:?}", common.seed, search.tolerance, search.time);
-        Self { options, read }
+        let Arguments { photo, unknown, light, reading, scene_options, common, search, .. } = arguments;
+        let options = format!(
+            "{start:?} {photo:?} {unknown:?} {light:?} {reading:?} {scene_options:?} {} {:?} {:?}",
+            common.seed, search.tolerance, search.time
+        );
+        Self { version: VERSION.into(), options, read }
     }
 
     /// What these arguments ask of a search by renderings, besides what that keeps itself.
     pub fn judged(arguments: &Arguments, read: u64) -> Self {
-        let Arguments { photo, light, scene_options, .. } = arguments;
-        Self { options: format!("{photo:?} {light:?} {scene_options:?}"), read }
+        let Arguments { photo, light, reading, scene_options, .. } = arguments;
+        Self { version: VERSION.into(), options: format!("{photo:?} {light:?} {reading:?} {scene_options:?}"), read }
     }
 }
 
@@ -65,10 +72,15 @@ impl Kept {
         let remedy = "remove it to begin anew, or name another state";
         let trouble = |what: &str| Error::new(format!("{}: {what}; {remedy}", path.display()));
         let kept: Self = serde_json::from_slice(&file(path)?).map_err(|e| trouble(&format!("not a recovery that anneal keeps ({e})")))?;
-        match (kept.asked.options == asked.options, kept.asked.read == asked.read) {
-            (true, true) => {}
-            (true, false) => return Err(trouble("it keeps a recovery from other files")),
-            (false, _) => return Err(trouble("it keeps a recovery with other options")),
+        let Asked { version, options, read } = &kept.asked;
+        for (same, what) in [
+            (*version == asked.version, "by another version of this program"),
+            (*options == asked.options, "with other options"),
+            (*read == asked.read, "from other files"),
+        ] {
+            if !same {
+                return Err(trouble(&format!("it keeps a recovery {what}")));
+            }
         }
         let unknown = unknowns.iter().position(|unknown| unknown.material().kind == kept.kind);
         match unknown.filter(|&unknown| kept.is_of(unknowns[unknown].parameters().len())) {

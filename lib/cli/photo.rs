@@ -1,22 +1,23 @@
 //! A photograph, the scene it was taken in, and what is unknown there, from what was typed.
 
+use super::remarks::{elsewhere, remarks};
 use super::search::Objective;
 use super::stream::Input;
 use super::{Console, Disk, Outcome, scene};
 use crate::args::anneal::{Arguments, Sharpness};
-use crate::color::{Rgb, bright};
+use crate::color::Rgb;
 use crate::error::{Error, Result};
 use crate::expand::{Flat, expand};
 use crate::metric::{self, Loss, Named};
-use crate::picture::{Header, Picture};
+use crate::picture::{Header, Picture, shrunk};
 use crate::rad::{Class, Document, Number, Primitive};
-use crate::recover::saturated::Saturated;
-use crate::recover::{Evidence, Recovery, otherwise};
-use crate::render::{Budget, Film, Filter, Pixel, Rendering, Task, render};
+use crate::recover::exposure::exposed;
+use crate::recover::{Evidence, Recovery, otherwise, saturated};
+use crate::render::{Film, Filter};
 use crate::report::{Setting, Views};
-use crate::rules::{Rules, shortcuts};
-use crate::scene::{MaterialId, Scene};
-use crate::unknown::{EXPOSURES, Unknown};
+use crate::rules::Rules;
+use crate::scene::{MaterialId, Reading, Scene};
+use crate::unknown::Unknown;
 use crate::view::View;
 use crate::world::World;
 use std::f64::consts::PI;
@@ -27,6 +28,7 @@ pub struct Photo<'a> {
     unknown: Unknown,
     flat: Flat,
     disk: Disk<'a>,
+    reading: Reading,
     /// The place of the unknown material in the description.
     place: usize,
     material: MaterialId,
@@ -38,11 +40,12 @@ pub struct Photo<'a> {
     mask: Option<Vec<f32>>,
     blurred: bool,
     seed: u64,
-    read: u64,
+    digest: u64,
 }
 
-/// The most pixels in a row or column of a picture that is predicted.
+/// The most pixels in a row or column of a picture that is predicted, and of one on a page.
 const PREDICTED: usize = 160;
+const SHOWN: usize = 800;
 
 impl<'a> Photo<'a> {
     /// The photograph `target` of the scene that the arguments name, with the unknown in it; without one, what could be photographed there.
@@ -52,7 +55,7 @@ impl<'a> Photo<'a> {
         let disk = Disk::new(arguments.scene_options.commands, console);
         let read = |name: &str| -> Result<(String, Picture)> {
             let (name, bytes) = input.read(name)?;
-            disk.count(&bytes);
+            disk.count(&name, &bytes);
             Ok((name.clone(), Picture::read(&bytes, &name)?))
         };
         let taken = target.map(read).transpose()?;
@@ -63,10 +66,8 @@ impl<'a> Photo<'a> {
             own.ok_or_else(|| Error::new(format!("no view{picture}; give the view it is taken from with -vf FILE")))?
         } else {
             let asked = scene::view(&photo.view)?;
-            if let (Some(own), Some((name, _))) = (own, &taken)
-                && !own.is_like(&asked)
-            {
-                console.warn(&format!("{name} says that it was taken from elsewhere ({}): leave out -vf for that view", own.header_line()));
+            if let (Some(own), Some((name, _))) = (own, &taken) {
+                elsewhere(name, &own, &asked).iter().for_each(|remark| console.warn(remark));
             }
             asked
         };
@@ -79,13 +80,12 @@ impl<'a> Photo<'a> {
             (_, Some(said)) => film.through(said),
             _ => film,
         };
-        if let Some(spec) = unknown.material().type_of().and_then(|t| t.parameter("spec"))
-            && arguments.light.st.or(arguments.light.ss).is_none()
-        {
-            let lowest: Vec<f64> = unknown.bounds().iter().map(|bound| bound.0).collect();
-            shortcuts(trail(), unknown.reals(&lowest)[spec]).iter().for_each(|shortcut| console.warn(shortcut));
+        let rules = arguments.light.rules(&|file| scene::list(&disk, file))?;
+        if let Some((name, target)) = &taken {
+            let light = &arguments.light;
+            remarks(name, target, &film, unknown, light, &rules).iter().for_each(|remark| console.warn(remark));
         }
-        disk.count(view.header_line().as_bytes());
+        disk.count("the view", view.header_line().as_bytes());
         let (name, target) = taken.unwrap_or_else(|| {
             let (width, height) = (film.width, film.height);
             (String::new(), Picture { width, height, header: Header::default(), pixels: vec![[0.0; 3]; width * height] })
@@ -99,7 +99,7 @@ impl<'a> Photo<'a> {
 
         let mut documents = vec![unknown.source().clone()];
         documents.extend(scene::documents(&photo.scene, &disk)?);
-        documents.iter().for_each(|document| disk.count(&document.bytes()));
+        documents.iter().for_each(|document| disk.count(&document.source.name, &document.bytes()));
         let mut flat = expand(documents, &disk)?;
         // The scene's own definition of the unknown does not count.
         let sought = &unknown.material().name;
@@ -115,9 +115,8 @@ impl<'a> Photo<'a> {
                 format!("the scene defines `{modifier}`, but what is unknown stands before it: put `{modifier}` into this file, above");
             return Err(material.modifier_error(problem).into());
         }
-        let rules = arguments.light.rules(&|file| scene::list(&disk, file))?;
-        let scene = Scene::new(&flat, &disk, false)?;
-        scene.warnings.iter().for_each(|w| console.warn(w));
+        let reading = scene::reading(&arguments.reading, &disk)?;
+        let scene = scene::built(&flat, &disk, &reading, &arguments.light, console)?;
         let material = scene.material(&flat.primitives[place]);
         let material = material.ok_or_else(|| unknown.material().error("no surface of the scene is made of it"))?;
         if rules.ambient_value == Rgb::ZERO && !scene.materials.iter().any(|named| named.material.emits()) {
@@ -126,10 +125,11 @@ impl<'a> Photo<'a> {
         }
         let world = surveyed(scene, &rules, material, &film)?;
         Ok(Self {
-            read: disk.read(),
+            digest: disk.digest(),
             unknown: unknown.clone(),
             flat,
             disk,
+            reading,
             place,
             material,
             rules,
@@ -150,7 +150,7 @@ impl<'a> Photo<'a> {
 
     /// The world of a description like its own, ready for its picture.
     fn surveyed(&self, flat: &Flat) -> Result<World> {
-        surveyed(Scene::new(flat, &self.disk, false)?, &self.rules, self.material, &self.film)
+        surveyed(Scene::new(flat, &self.disk, &self.reading)?, &self.rules, self.material, &self.film)
     }
 
     /// What there is to go by, but for [`Self::otherwise`].
@@ -168,8 +168,8 @@ impl<'a> Photo<'a> {
     }
 
     /// A number that any change of the files that it was made of changes.
-    pub fn read(&self) -> u64 {
-        self.read
+    pub fn digest(&self) -> u64 {
+        self.digest
     }
 
     /// Its columns.
@@ -184,71 +184,38 @@ impl<'a> Photo<'a> {
 
     /// The scene, for any numbers of the unknown.
     fn setting(&self) -> Setting<'_> {
-        Setting { flat: &self.flat, place: self.place, rules: &self.rules, resolve: &self.disk, seed: self.seed }
+        Setting { flat: &self.flat, place: self.place, rules: &self.rules, resolve: &self.disk, reading: &self.reading, seed: self.seed }
     }
 
     /// What there is to see when the parameters have these values.
     pub fn views(&self, values: &[f64]) -> Result<Views> {
         let (setting, reals) = (self.setting(), self.unknown.reals(values));
-        let pixels = self.evidence().pixels(&self.unknown, self.material)?;
-        let exposures = self.unknown.exposures(values);
-        let mut rendering = setting.picture(&setting.world(&reals)?, &self.rules, &self.film, None);
-        rendering.pixels.iter_mut().for_each(|p| (0..3).for_each(|c| p[c] *= exposures[c] as f32));
-        let mut counts = vec![0.0; self.target.pixels.len()];
-        pixels.iter().for_each(|&n| counts[n] = self.mask.as_ref().map_or(1.0, |mask| mask[n]));
-        Ok(Views {
-            target: self.target.clone(),
-            rendering,
-            counts,
-            lamp: setting.under_a_lamp(&reals)?,
-            there: setting.in_its_place(&reals, &self.world, self.material, &self.film, &pixels)?,
-        })
-    }
-
-    /// Some pixels, by [`SAMPLES`] samples each.
-    fn rendered(&self, world: &World, pixels: &[usize]) -> Rendering {
-        let lens = self.film.lens();
-        let task = Task {
-            world,
-            rules: &self.rules,
-            count: pixels.len(),
-            width: pixels.len(),
-            lens: &|i, at| lens(pixels[i], at),
-            centred: self.film.filter.is_point(),
-            blur: None,
-            budget: Budget::Samples(SAMPLES),
-            first: 0,
-            seed: self.seed,
+        let film = self.film.at_most(SHOWN);
+        let (width, height) = (film.width, film.height);
+        let target = Picture {
+            width,
+            height,
+            header: self.target.header.clone(),
+            pixels: shrunk(&self.target.pixels, self.film.width, width, height),
         };
-        render(&task, &|| false, &mut |_| {})
+        let mask = self.mask.as_ref().map(|mask| {
+            let mask: Vec<[f32; 1]> = mask.iter().map(|&m| [m]).collect();
+            shrunk(&mask, self.film.width, width, height).into_iter().flatten().collect::<Vec<f32>>()
+        });
+        let evidence = Evidence { film: &film, target: &target, mask: mask.as_deref(), ..self.evidence() };
+        let pixels = evidence.pixels(&self.unknown, self.material)?;
+        let exposures = self.unknown.exposures(values);
+        let mut rendering = setting.picture(&setting.world(&reals)?, &self.rules, &film, None);
+        rendering.pixels.iter_mut().for_each(|p| (0..3).for_each(|c| p[c] *= exposures[c] as f32));
+        let mut counts = vec![0.0; target.pixels.len()];
+        pixels.iter().for_each(|&n| counts[n] = mask.as_ref().map_or(1.0, |mask| mask[n]));
+        let there = setting.in_its_place(&reals, &self.world, self.material, &film, &pixels)?;
+        Ok(Views { rendering, counts, lamp: setting.under_a_lamp(&reals)?, there, target })
     }
 
-    /// What is to be said if things that are known are brighter or darker in the picture than they should be, all alike: then it is of another
-    /// exposure, which none of the parameters is.
+    /// What is to be said if the picture is of another exposure.
     pub fn exposed(&self) -> Option<String> {
-        if self.unknown.parameters().iter().any(|p| EXPOSURES.contains(&&p.name[..])) {
-            return None;
-        }
-        let (evidence, count) = (self.evidence(), self.target.pixels.len());
-        let known = |n: &usize| evidence.counts(*n) && !evidence.touches(*n, self.material);
-        let known: Vec<usize> = (0..count).step_by(count.div_ceil(LOOKED_AT)).filter(known).collect();
-        let rendering = self.rendered(&self.world, &known);
-        let ratio = |(&n, pixel): (&usize, &Pixel)| bright(Rgb::from(self.target.pixels[n].map(f64::from))) / bright(pixel.mean());
-        let mut ratios: Vec<f64> = known.iter().zip(&rendering.pixels).map(ratio).filter(|ratio| ratio.is_finite()).collect();
-        if ratios.len() < FEWEST {
-            return None;
-        }
-        ratios.sort_by(f64::total_cmp);
-        let [low, ratio, high] = [1, 2, 3].map(|part| ratios[part * (ratios.len() - 1) / 4]);
-        let alike = low > ratio * (1.0 - ALIKE) && high < ratio * (1.0 + ALIKE);
-        if !alike || ratio <= 0.0 || (EXPOSED[0]..=EXPOSED[1]).contains(&ratio) {
-            return None;
-        }
-        let [ratio, low, high] = [1.0, 0.1, 10.0].map(|factor| Number(format!("{:.1e}", factor * ratio).parse().unwrap_or(ratio)));
-        Some(format!(
-            "around the unknown the picture is {ratio} times as bright as the scene is, as by another exposure: \
-             --param exposure={ratio}:{low}:{high} finds that, with something of the material known"
-        ))
+        exposed(&self.evidence(), &self.unknown, self.material, self.seed)
     }
 
     /// What is to be said of pixels that were left out as they seem saturated, if by what was found most of them should be brighter.
@@ -256,24 +223,8 @@ impl<'a> Photo<'a> {
         if found.saturated.is_empty() {
             return Ok(None);
         }
-        let numbers: Vec<usize> = found.saturated.iter().map(|&(n, _)| n).collect();
         let world = self.setting().world(&self.unknown.reals(&found.values))?;
-        let (rendering, exposures) = (self.rendered(&world, &numbers), self.unknown.exposures(&found.values));
-        let brighter = |((n, c), pixel): (&Saturated, &Pixel)| {
-            let photographed = f64::from(self.target.pixels[*n][*c]);
-            (exposures[*c] * pixel.mean()[*c] > BRIGHTER * photographed).then_some(*n)
-        };
-        let brighter: Vec<usize> = found.saturated.iter().zip(&rendering.pixels).filter_map(brighter).collect();
-        let surely = 2 * brighter.len() > numbers.len();
-        Ok(brighter.first().filter(|_| surely).map(|n| {
-            format!(
-                "{} pixels, as that in column {} and row {} (from the upper left, from 0), have the largest value of their channel, and should be \
-                 brighter, as where a camera is saturated: they and those beside them are left out",
-                brighter.len(),
-                n % self.width(),
-                n / self.width()
-            )
-        }))
+        Ok(saturated::confirmed(&self.evidence(), &world, &found.saturated, self.unknown.exposures(&found.values), self.seed))
     }
 
     /// The scene with one more lamp, small and far, over the camera's shoulder, that lights as much as light of `radiance` from all around.
@@ -314,16 +265,6 @@ impl<'a> Photo<'a> {
     }
 }
 
-/// The least and the greatest brightness of known things, in terms of what they should have, that is no other exposure.
-const EXPOSED: [f64; 2] = [0.9, 1.1];
-/// About so many pixels are looked at, and so many that are known tell it, half of them within this part of what they have in common.
-const LOOKED_AT: usize = 300;
-const FEWEST: usize = 30;
-const ALIKE: f64 = 0.25;
-
-/// By which factor a pixel that seems saturated must be darker than what was found makes it.
-const BRIGHTER: f64 = 1.05;
-
 /// The world of a scene with an unknown material, ready for the picture of a film.
 fn surveyed(scene: Scene, rules: &Rules, unknown: MaterialId, film: &Film) -> Result<World> {
     let mut world = World::new(scene, rules)?;
@@ -345,9 +286,6 @@ pub struct Direct<'p, 'a> {
     loss: Loss,
 }
 
-/// Samples of a pixel.
-const SAMPLES: u32 = 32;
-
 impl<'p, 'a> Direct<'p, 'a> {
     /// Over the pixels that show the unknown.
     pub fn new(photo: &'p Photo<'a>, loss: Loss) -> Result<Self> {
@@ -361,7 +299,8 @@ impl<'p, 'a> Direct<'p, 'a> {
     fn judged(&self, values: &[f64], loss: Loss) -> Result<f64> {
         let photo = self.photo;
         let exposure = Rgb::from(photo.unknown.exposures(values));
-        let rendering = photo.rendered(&photo.setting().world(&photo.unknown.reals(values))?, &self.pixels);
+        let world = photo.setting().world(&photo.unknown.reals(values))?;
+        let rendering = photo.evidence().rendered(&world, &self.pixels, photo.seed);
         let sum = rendering.pixels.iter().zip(&self.pixels).map(|(pixel, &number)| {
             let (target, seen) = (photo.target.pixels[number], exposure * pixel.mean());
             let variance = exposure * exposure * pixel.variance().0;

@@ -15,23 +15,18 @@ pub fn rendered(args: &Arguments, rules: &Rules, disk: &Disk, start: Instant, co
     let options = &args.picture;
     let (view, (width, height)) = (view(&args.view)?, options.size());
     let film = Film::new(&view, width, height, options.aspect())?.through(options.filter());
+    film.fits_memory()?;
     let size = (film.width, film.height);
     let budget = args.accuracy.budget()?;
     let aovs = options.aov.as_ref().map(|words| film::aovs(&words[0])).transpose()?;
     let mut world = world(args, rules, disk, console)?;
     world.survey(film.some_rays(), rules);
 
+    let lens = film.lens();
     let task = Task {
-        world: &world,
-        rules,
-        count: film.width * film.height,
-        width: film.width,
-        lens: &film.lens(),
-        centred: film.filter.is_point(),
         blur: film.blur(options.aperture()),
-        budget: budget.after(start.elapsed(), aovs.is_some()),
         first: args.accuracy.first(),
-        seed: args.common.seed,
+        ..Task::new(&world, rules, &film, &lens, budget.after(start.elapsed(), aovs.is_some()), args.common.seed)
     };
     let header = film::header(console.trail(), &view, &film);
     let output = args.common.output.as_deref();
@@ -58,12 +53,16 @@ pub fn rendered(args: &Arguments, rules: &Rules, disk: &Disk, start: Instant, co
         let planes = part(film.width, film.height, header, range, &rendering);
         return Output::whole(output, &planes.write()?).map(|()| Answer::Yes);
     }
+    let (mut interrupted, mut left) = (interrupted, "");
     if let (Some(names), Some([_, path])) = (aovs, options.aov.as_deref()) {
-        Output::whole(Some(path.as_ref()), &film::features(&film, &header, &names, &features(&task, &rendering))?)?;
+        match features(&task, &rendering, &stop) {
+            Some(features) => Output::whole(Some(path.as_ref()), &film::features(&film, &header, &names, &features)?)?,
+            None => (interrupted, left) = (true, "; the pictures of --aov are not written"),
+        }
     }
     film::finish(args, size, header, &rendering)?;
     if interrupted {
-        console.note(&format!("interrupted at {}; the picture is the best so far", film::reached(&rendering)));
+        console.note(&format!("interrupted at {}; the picture is the best so far{left}", film::reached(&rendering)));
         return Ok(Answer::No);
     }
     Ok(Answer::Yes)

@@ -51,13 +51,15 @@ pub fn recover(start: &str, target: &str, arguments: &Arguments, console: &Conso
     let answer = answer::Answer::new(unknown, &found.values, Some(&found.known()));
     title.extend(photo.blurred(&found));
     title.push(format!("chi2 {} over {} pixels", answer::six(found.chi2), found.pixels));
-    Output::whole(arguments.common.output.as_deref(), &answer.file(&title)?)?;
+    let answered = Output::whole(arguments.common.output.as_deref(), &answer.file(&title)?);
     doubts.extend_from_slice(answer.doubts());
-    doubts.iter().for_each(|doubt| console.warn(doubt));
-    if let Some(path) = &arguments.search.report {
-        report::of_recovery(path, &found, &answer, &photo, &trail, console)?;
+    if answered.is_ok() {
+        doubts.iter().for_each(|doubt| console.warn(doubt));
     }
-    trail.written()?;
+    // The page is written even if nobody reads the answer.
+    let page = arguments.search.report.as_ref();
+    let reported = page.map_or(Ok(()), |path| report::of_recovery(path, &found, &answer, &photo, &trail, console));
+    answered.and(reported).and(trail.written())?;
     let missed = options.tolerance.and_then(|tolerance| answer::missed(unknown.parameters(), &found.errors(), tolerance));
     missed.iter().for_each(|missed| console.warn(missed));
     Ok(if missed.is_none() && !cut { Answer::Yes } else { Answer::No })

@@ -3,15 +3,15 @@
 use super::disk::{Disk, printed};
 use super::stream::file;
 use super::{Console, Input, Outcome};
-use crate::args::ViewWords;
-use crate::args::rtrace::Arguments;
+use crate::args::rtrace::{Arguments, Light};
+use crate::args::{self, ViewWords};
 use crate::error::{Error, Result, Source};
-use crate::expand::expand;
+use crate::expand::{Flat, expand};
 use crate::import::{is_octree, octree};
 use crate::rad::Document;
 use crate::resolve::Resolve;
 use crate::rules::Rules;
-use crate::scene::Scene;
+use crate::scene::{Reading, Scene};
 use crate::view::View;
 use crate::world::World;
 use std::sync::Arc;
@@ -59,13 +59,24 @@ pub fn view(words: &ViewWords) -> Result<View> {
 /// The world of the scene that was named.
 pub fn world(args: &Arguments, rules: &Rules, disk: &Disk, console: &Console) -> Outcome<World> {
     let flat = expand(documents(&args.scenes(), disk)?, disk)?;
-    let mut definitions: Vec<Arc<Source>> = args.definitions.iter().map(|text| Source::new("-e", text.as_str())).collect();
-    for name in &args.function_files {
-        definitions.push(Source::new(name.as_str(), String::from_utf8_lossy(&disk.library(name)?)));
+    let scene = built(&flat, disk, &reading(&args.reading, disk)?, &args.light, console)?;
+    Ok(World::new(scene, rules)?)
+}
+
+/// How scenes are read by what was typed.
+pub fn reading(typed: &args::Reading, resolve: &dyn Resolve) -> Result<Reading> {
+    let mut definitions: Vec<Arc<Source>> = typed.definitions.iter().map(|text| Source::new("-e", text.as_str())).collect();
+    for name in &typed.function_files {
+        definitions.push(Source::new(name.as_str(), String::from_utf8_lossy(&resolve.library(name)?)));
     }
-    let scene = Scene::with(&flat, disk, args.skip_unsupported, definitions)?;
-    if args.light.tuning.w != Some(false) {
+    Ok(Reading { skip_unsupported: typed.skip_unsupported, definitions })
+}
+
+/// The scene that was read; what is to be said of it is said, unless `-w-` wants none of that.
+pub fn built(flat: &Flat, resolve: &dyn Resolve, reading: &Reading, light: &Light, console: &Console) -> Result<Scene> {
+    let scene = Scene::new(flat, resolve, reading)?;
+    if light.tuning.w != Some(false) {
         scene.warnings.iter().for_each(|w| console.warn(w));
     }
-    Ok(World::new(scene, rules)?)
+    Ok(scene)
 }

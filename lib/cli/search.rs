@@ -4,6 +4,7 @@ use super::interrupted;
 use super::kept::Asked;
 use super::stream::{Output, file, plain};
 use super::{Console, Outcome};
+use crate::anneal::linear::Symmetric;
 use crate::anneal::{Annealer, End, Options};
 use crate::error::{Error, Result};
 use crate::metric::Loss;
@@ -36,6 +37,9 @@ struct Kept {
     /// What the renderings are compared with, if it is no command that does it.
     #[serde(default)]
     judged: Option<Asked>,
+    /// The command that does it, if it is one.
+    #[serde(default)]
+    command: Option<String>,
     /// The chi-squared of the best, at the end, if that is not what was made small; nothing once there is more to tell.
     #[serde(default)]
     chi2: Option<f64>,
@@ -83,12 +87,21 @@ impl Search {
         let unknown = Unknown::new(Document::read(name, bytes)?, &wishes)?;
         options.groups = unknown.groups().to_vec();
         let annealer = Annealer::new(unknown.parameters().to_vec(), options)?;
-        Ok(Self { kept: Kept { name: name.into(), start, wishes, loss, judged: None, chi2: None, annealer, asked: false }, unknown })
+        Ok(Self {
+            kept: Kept { name: name.into(), start, wishes, loss, judged: None, command: None, chi2: None, annealer, asked: false },
+            unknown,
+        })
     }
 
     /// The same by renderings of what is asked.
     pub fn judged_by(mut self, judged: Asked) -> Self {
         self.kept.judged = Some(judged);
+        self
+    }
+
+    /// The same by what a command says.
+    pub fn told_by(mut self, command: &str) -> Self {
+        self.kept.command = Some(command.into());
         self
     }
 
@@ -130,6 +143,10 @@ impl Search {
         if found.kept.judged != self.kept.judged {
             return other("another picture, scene or view");
         }
+        if found.kept.command.as_ref().is_some_and(|command| self.kept.command.as_ref() != Some(command)) {
+            return other("another command");
+        }
+        found.kept.command = self.kept.command;
         if let Some(steps) = steps {
             found.kept.annealer.set_steps(steps);
         }
@@ -219,7 +236,9 @@ impl Search {
 
     /// What there is to say of some values.
     pub fn answer(&self, values: &[f64]) -> Answer<'_> {
-        let covariance = self.kept.annealer.covariance();
+        let annealer = &self.kept.annealer;
+        let nothing = || Symmetric::diagonal(&vec![f64::INFINITY; values.len()]);
+        let covariance = if annealer.is_flat() { Some(nothing()) } else { annealer.covariance() };
         let known = covariance.map(|covariance| Known { covariance, common: None, misfit: 0.0, blur: None });
         Answer::new(&self.unknown, values, known.as_ref())
     }

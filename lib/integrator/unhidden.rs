@@ -62,7 +62,7 @@ mod tests {
     use crate::rad::Document;
     use crate::resolve::Files;
     use crate::rules::Rules;
-    use crate::scene::Scene;
+    use crate::scene::{Reading, Scene};
     use crate::world::Coming;
 
     #[test]
@@ -72,7 +72,7 @@ mod tests {
                     void plastic white 0 0 5 .5 .5 .5 0 0 white ring floor 0 0 8 0 0 0 0 0 1 0 1";
         let document = Document::parse(Source::new("scene.rad", text.to_string())).unwrap();
         let (files, rules) = (Files::default(), Rules::default());
-        let scene = Scene::new(&expand(vec![document], &files).unwrap(), &files, false).unwrap();
+        let scene = Scene::new(&expand(vec![document], &files).unwrap(), &files, &Reading::default()).unwrap();
         let mut world = World::new(scene, &rules).unwrap();
         let ray = Ray::new(Vec3::new(0.1, 0.2, 3.0), -Vec3::Z);
         world.survey(std::iter::repeat_n(ray, 16), &rules);

@@ -1,11 +1,11 @@
 //! The answer: the file with the values that were found, after what is to be said of them.
 
-use super::doubts::{Judgement, Known, Standing, at_bound, decimals, digits, judge, list};
+use super::doubts::{Judgement, Known, Standing, at_bound, decimals, digits, judge, list, lusterless};
 use crate::anneal::Parameter;
 use crate::anneal::linear::Symmetric;
 use crate::error::Result;
 use crate::rad::Number;
-use crate::unknown::{COLORS, Unknown};
+use crate::unknown::{COLORS, ROUGHNESSES, Unknown};
 
 /// Values of an unknown, and what there is to say of them.
 pub struct Answer<'a> {
@@ -25,6 +25,7 @@ impl<'a> Answer<'a> {
     pub fn new(unknown: &'a Unknown, values: &[f64], known: Option<&Known>) -> Self {
         let judgement = known.map(|known| judge(unknown, values, known));
         let mut doubts = judgement.as_ref().map_or_else(Vec::new, |j| j.doubts.clone());
+        let dull = known.is_some_and(|known| lusterless(unknown, values, &known.covariance));
         let mut rounded = values.to_vec();
         for (i, (p, value)) in unknown.parameters().iter().zip(&mut rounded).enumerate() {
             if let Some((side, bound)) = at_bound(p, *value, judgement.as_ref().map(|j| j.errors[i])) {
@@ -32,7 +33,8 @@ impl<'a> Answer<'a> {
                 // No number of a material is less than nothing, and nothing lets more light through than there is.
                 let all =
                     bound == 1.0 && COLORS.1.contains(&&p.name[..]) && ["dielectric", "glass"].contains(&unknown.material().kind.as_str());
-                if bound != 0.0 && !all {
+                let any = dull && ROUGHNESSES.contains(&&p.name[..]);
+                if bound != 0.0 && !all && !any {
                     let beyond = "if it may lie beyond, give --param";
                     doubts.push(format!("{} is at its {side} bound {}; {beyond} {0}=START:LOW:HIGH", p.name, Number(bound)));
                 }
@@ -99,10 +101,26 @@ impl<'a> Answer<'a> {
     pub fn file(&self, title: &[String]) -> Result<Vec<u8>> {
         let lines = self.lines();
         let mut bytes = title.iter().chain(&lines).map(|line| format!("# {line}\n")).collect::<String>().into_bytes();
-        bytes.extend(self.unknown.document(&self.values)?.bytes());
+        let file = self.unknown.document(&self.values)?.bytes();
+        bytes.extend_from_slice(&file[self.told_before(&file)..]);
         Ok(bytes)
     }
+
+    /// How many bytes at the beginning of a file say what was found the last time it was looked for.
+    fn told_before(&self, file: &[u8]) -> usize {
+        let is_own = |line: &&[u8]| {
+            let line = String::from_utf8_lossy(line);
+            let mut words = line.split_whitespace();
+            let [hash, name, value] = std::array::from_fn(|_| words.next().unwrap_or_default());
+            let is_value = || self.unknown.parameters().iter().any(|p| p.name == name) && value.parse::<f64>().is_ok();
+            hash == "#" && (OWN.contains(&name) || is_value())
+        };
+        file.split_inclusive(|&b| b == b'\n').take_while(is_own).map(<[u8]>::len).sum()
+    }
 }
+
+/// How the lines begin that an answer says, besides values.
+const OWN: [&str; 6] = ["chi2", "loss", "type", "filter", "correlations:", "warning:"];
 
 /// Which standard errors are above a tolerance, if any are.
 pub fn missed(parameters: &[Parameter], errors: &[f64], tolerance: f64) -> Option<String> {

@@ -65,7 +65,8 @@ pub fn judge(unknown: &Unknown, values: &[f64], known: &Known) -> Judgement {
     let units: Vec<f64> = parameters.iter().map(Parameter::anywhere).collect();
     let seen = &known.covariance;
     let dull = lusterless(unknown, values, seen);
-    let unseen = |i: usize| !seen.at(i, i).is_finite() || dull && ROUGHNESSES.contains(&parameters[i].name.as_str());
+    let dull = |i: usize| dull && ROUGHNESSES.contains(&parameters[i].name.as_str());
+    let unseen = |i: usize| !seen.at(i, i).is_finite() || dull(i);
     let scaled = |m: &Symmetric, i: usize, j: usize| {
         let one = f64::from(i == j);
         if unseen(i) || unseen(j) { one } else { Some(m.at(i, j) / (units[i] * units[j])).filter(|x| x.is_finite()).unwrap_or(one) }
@@ -104,7 +105,7 @@ pub fn judge(unknown: &Unknown, values: &[f64], known: &Known) -> Judgement {
                 "the chi-squareds that were seen are too few, or too noisy, or say little of it".to_string()
             };
             // Where nothing explains the picture, no other light or view would; nor for what is held by a bound, which is said of it.
-            let held = at_bound(&parameters[pivot], values[pivot], None).is_some_and(|(_, bound)| bound != 0.0);
+            let held = !dull(pivot) && at_bound(&parameters[pivot], values[pivot], None).is_some_and(|(_, bound)| bound != 0.0);
             if !astray && !held {
                 doubts.push(format!("{} is not determined: {why}; {help}", parameters[pivot].name));
             }
@@ -170,7 +171,7 @@ pub fn at_bound(p: &Parameter, value: f64, error: Option<f64>) -> Option<(&'stat
 const AT_BOUND: f64 = 1e-5;
 
 /// Whether there is hardly any specular reflection, and perhaps none, which would be of any roughness.
-fn lusterless(unknown: &Unknown, values: &[f64], seen: &Symmetric) -> bool {
+pub fn lusterless(unknown: &Unknown, values: &[f64], seen: &Symmetric) -> bool {
     let at = |name: &str| unknown.material().type_of().and_then(|t| t.parameter(name));
     let spec = unknown.parameters().iter().position(|p| p.name == "spec");
     let faint = |value: f64, error: f64| value <= error && value + error < FAINT;

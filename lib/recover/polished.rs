@@ -57,8 +57,8 @@ pub fn recover(sought: &Sought, effort: Effort, tell: &dyn Fn(&str)) -> Result<R
     // as a quick look has been.
     let lobe = if effort.quick { found.clone() } else { sought.glance(effort, &found.values) };
     let seen = mirror.glance(effort, &near);
-    if seen.excess(&lobe) < if likely { FARTHER } else { -SURE } {
-        let whole = |found: Recovery| if let Some(slot) = slot { with_roughness(found, slot) } else { found };
+    if seen.excess_but_one(&lobe) < if likely { FARTHER } else { -SURE } {
+        let whole = |found: Recovery| if let Some(slot) = slot { with_roughness(found, slot, &lobe) } else { found };
         let told = |found: &Recovery| (effort.told)(&whole(found.clone()));
         // Light that meets it more often than products tell is that of the values it is looked at with, which those of a lobe are not: of a ball that
         // light goes through, colours came out .3 to .8 % too bright, which tells no type from another.
@@ -115,8 +115,9 @@ impl Mirror {
     }
 }
 
-/// What was found of a mirror, with a roughness among its values: any up to [`PURE`].
-fn with_roughness(found: Recovery, slot: usize) -> Recovery {
+/// What was found of a mirror, with a roughness among its values: any up to [`PURE`]. Errors that pixels have in common may make one of a lobe,
+/// and move it as far as that one's.
+fn with_roughness(found: Recovery, slot: usize, lobe: &Recovery) -> Recovery {
     let with = |matrix: &Symmetric, own: f64| {
         let place = |i: usize| if i < slot { Some(i) } else { i.checked_sub(1).filter(|i| *i >= slot) };
         Symmetric::of(matrix.size() + 1, |i, j| match (place(i), place(j)) {
@@ -125,7 +126,8 @@ fn with_roughness(found: Recovery, slot: usize) -> Recovery {
             _ => 0.0,
         })
     };
-    let (covariance, own, common) = (with(&found.covariance, PURE * PURE / 3.0), with(&found.own, 0.0), with(&found.common, 0.0));
+    let (covariance, own, common) =
+        (with(&found.covariance, PURE * PURE / 3.0), with(&found.own, 0.0), with(&found.common, lobe.common.at(slot, slot)));
     let inserted = |values: &[f64], value: f64| [&values[..slot], &[value], &values[slot..]].concat();
     let (values, clarity) = (inserted(&found.values, 0.0), inserted(&found.clarity, 1.0));
     Recovery { values, clarity, covariance, own, common, ..found }

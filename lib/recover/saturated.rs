@@ -1,6 +1,8 @@
 //! Where a picture seems to show the most that a camera can tell instead of the light there was.
 
 use super::Evidence;
+use crate::render::Pixel;
+use crate::world::World;
 use std::collections::BTreeSet;
 
 /// A pixel, by its number, and the channel that is of the largest value there.
@@ -15,6 +17,8 @@ const NEAR: f32 = 0.8;
 const SAME: f32 = 1e-3;
 /// So many other pixels tell something.
 const LEFT: usize = 50;
+/// By which factor a pixel that seems saturated must be darker than what was found makes it.
+const BRIGHTER: f64 = 1.05;
 
 /// Those of these pixels that seem saturated, and those that are not, nor beside one, as they may be so in part; all, if these are too few.
 /// A flat surface looks saturated too: whether it should be brighter, by what the others tell, shows which it is.
@@ -40,4 +44,25 @@ fn plateau(evidence: &Evidence, pixels: &[usize], channel: usize) -> Vec<Saturat
     let near = lower.iter().filter(|&&n| value(n) > NEAR * largest).count();
     let is_one = largest > 0.0 && flat.len() >= FEWEST && flat.len() as f64 > FLAT * (flat.len() + near) as f64;
     if is_one { flat.into_iter().map(|n| (n, channel)).collect() } else { vec![] }
+}
+
+/// What is to be said of pixels that seem saturated, if most of them should be brighter in a world where the unknown is as it was found, in a picture
+/// of these exposures.
+pub fn confirmed(evidence: &Evidence, world: &World, saturated: &[Saturated], exposures: [f64; 3], seed: u64) -> Option<String> {
+    let numbers: Vec<usize> = saturated.iter().map(|&(n, _)| n).collect();
+    let rendering = evidence.rendered(world, &numbers, seed);
+    let brighter = |((n, c), pixel): (&Saturated, &Pixel)| {
+        let photographed = f64::from(evidence.target.pixels[*n][*c]);
+        (exposures[*c] * pixel.mean()[*c] > BRIGHTER * photographed).then_some(*n)
+    };
+    let brighter: Vec<usize> = saturated.iter().zip(&rendering.pixels).filter_map(brighter).collect();
+    let surely = 2 * brighter.len() > numbers.len();
+    brighter.first().filter(|_| surely).map(|n| {
+        let (row, column) = (n / evidence.film.width, n % evidence.film.width);
+        format!(
+            "{} pixels, as that in column {column} and row {row} (from the upper left, from 0), have the largest value of their channel, and should be \
+             brighter, as where a camera is saturated: they and those beside them are left out",
+            brighter.len(),
+        )
+    })
 }

@@ -315,9 +315,20 @@ const AGREED: f64 = 2.0 / 3.0;
 /// By how many standard errors pixels, by their numbers, are farther off in one row than in another, as far as they are in both. None counts for more
 /// than one that is off by as much as it is bright.
 pub fn farther_off(here: &[(usize, f64)], there: &[(usize, f64)]) -> f64 {
+    in_standard_errors(farther_by(here, there))
+}
+
+/// The same without the pixel that speaks most against it, which may be one of the few that see a lamp by the way.
+pub fn farther_off_but_one(here: &[(usize, f64)], there: &[(usize, f64)]) -> f64 {
+    let least = farther_by(here, there).enumerate().min_by(|(_, a), (_, b)| a.total_cmp(b)).map(|(i, _)| i);
+    in_standard_errors(farther_by(here, there).enumerate().filter(|(i, _)| Some(*i) != least).map(|(_, d)| d))
+}
+
+/// By how much more each pixel is off.
+fn farther_by(here: &[(usize, f64)], there: &[(usize, f64)]) -> impl Iterator<Item = f64> {
     let there: HashMap<usize, f64> = there.iter().copied().collect();
     let off = |loss: f64| loss.clamp(-1.0, 1.0);
-    in_standard_errors(here.iter().filter_map(|(n, loss)| Some(off(*loss) - off(*there.get(n)?))))
+    here.iter().filter_map(move |(n, loss)| Some(off(*loss) - off(*there.get(n)?)))
 }
 
 /// The sum of independent differences in terms of its standard error, if their mean is next to nothing.
@@ -409,5 +420,9 @@ mod tests {
         assert_eq!(farther_off(&here, &[(5, 2.0), (2, 0.1), (9, 0.0), (7, 0.4)]), 0.0);
         assert!((farther_off(&here, &[(1, 0.0), (7, 0.1), (2, -0.2)]) - 2f64.sqrt()).abs() < 1e-12);
         assert_eq!(farther_off(&here, &[(1, 0.0)]), 0.0);
+        // One pixel hides that all others are farther off.
+        let (others, one) = ((0..9).map(|n| (n, 0.1)), [(9, 0.0)]);
+        let (here, there): (Vec<_>, Vec<_>) = (others.chain(one).collect(), (0..10).map(|n| (n, if n == 9 { 0.9 } else { 0.0 })).collect());
+        assert!(farther_off(&here, &there).abs() < 1e-12 && (farther_off_but_one(&here, &there) - 3.0).abs() < 1e-12);
     }
 }

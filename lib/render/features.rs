@@ -28,14 +28,18 @@ pub struct Features {
     pub indirect: Rgb,
 }
 
-/// The features of the pixels of a finished rendering, seen by the same samples: direct and indirect light add up to the rendering.
-pub fn features(task: &Task, rendering: &Rendering) -> Vec<Features> {
+/// The features of the pixels of a finished rendering, seen by the same samples: direct and indirect light add up to the rendering. `None` once `stop`
+/// says so.
+pub fn features(task: &Task, rendering: &Rendering, stop: &(dyn Fn() -> bool + Sync)) -> Option<Vec<Features>> {
     let suns = Suns::of(task);
     (0..task.count)
         .into_par_iter()
         .map_init(
             || Integrator::new(task.world, task.rules),
             |integrator, number| {
+                if stop() {
+                    return None;
+                }
                 let taken = rendering.pixels[number].counts();
                 let sets = taken.iter().filter(|&&count| count > 0).count().max(1) as f64;
                 let (mut whole, mut depth, mut met) = (Features::default(), 0.0, 0.0);
@@ -52,7 +56,7 @@ pub fn features(task: &Task, rendering: &Rendering) -> Vec<Features> {
                         (depth, met) = (depth + watch.sum.depth * sample.weight, met + watch.met as f64 * sample.weight);
                     }
                 }
-                Features { depth: if met > 0.0 { depth / met } else { f64::INFINITY }, ..whole }
+                Some(Features { depth: if met > 0.0 { depth / met } else { f64::INFINITY }, ..whole })
             },
         )
         .collect()

@@ -9,7 +9,7 @@ use crate::rad::{Class, Document, Primitive};
 use crate::render::{Budget, Film, Task, render};
 use crate::resolve::Resolve;
 use crate::rules::Rules;
-use crate::scene::{MaterialId, Scene};
+use crate::scene::{MaterialId, Reading, Scene};
 use crate::vector::Vec3;
 use crate::view::View;
 use crate::world::World;
@@ -24,6 +24,8 @@ pub struct Setting<'a> {
     pub rules: &'a Rules,
     /// Who reads files.
     pub resolve: &'a dyn Resolve,
+    /// How it is read.
+    pub reading: &'a Reading,
     /// Fixes every random choice.
     pub seed: u64,
 }
@@ -81,25 +83,15 @@ impl Setting<'_> {
     }
 
     fn world_of(&self, flat: Flat, rules: &Rules) -> Result<World> {
-        World::new(Scene::new(&flat, self.resolve, false)?, rules)
+        World::new(Scene::new(&flat, self.resolve, self.reading)?, rules)
     }
 
     /// A picture of a world.
     pub fn picture(&self, world: &World, rules: &Rules, film: &Film, samples: Option<u32>) -> Picture {
         let count = film.width * film.height;
         let samples = samples.unwrap_or((SAMPLES / count as f64).clamp(EACH.0, EACH.1) as u32);
-        let task = Task {
-            world,
-            rules,
-            count,
-            width: film.width,
-            lens: &film.lens(),
-            centred: film.filter.is_point(),
-            blur: None,
-            budget: Budget::Samples(samples),
-            first: 0,
-            seed: self.seed,
-        };
+        let lens = film.lens();
+        let task = Task::new(world, rules, film, &lens, Budget::Samples(samples), self.seed);
         let pixels = render(&task, &|| false, &mut |_| {}).pixels;
         let pixels = pixels.iter().map(|p| to_pixel(p.mean())).collect();
         Picture { width: film.width, height: film.height, header: Header::default(), pixels }

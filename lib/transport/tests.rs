@@ -11,7 +11,7 @@ use crate::rad::Document;
 use crate::recover::model::{Kind, alphas, coefficients};
 use crate::resolve::Files;
 use crate::rules::Rules;
-use crate::scene::{MaterialId, Scene};
+use crate::scene::{MaterialId, Reading, Scene};
 use crate::vector::Vec3;
 use crate::world::{Layer, World};
 
@@ -33,7 +33,7 @@ fn world(material: &str, rules: &Rules) -> (World, MaterialId) {
     let document = Document::parse(Source::new("scene.rad", text)).unwrap();
     let files = Files::default();
     let flat = expand(vec![document], &files).unwrap();
-    let scene = Scene::new(&flat, &files, false).unwrap();
+    let scene = Scene::new(&flat, &files, &Reading::default()).unwrap();
     let id = scene.material(&flat.primitives[0]).unwrap();
     let mut world = World::new(scene, rules).unwrap();
     world.unknown = Some(id);

@@ -2,7 +2,7 @@
 
 use inverad::args::anneal::{Arguments, Job, SearchOptions};
 use inverad::cli::auto::opened;
-use inverad::cli::exec::{Exec, last_number};
+use inverad::cli::exec::{self, Exec};
 use inverad::cli::kept::Asked;
 use inverad::cli::photo::{Direct, Photo};
 use inverad::cli::predict::predict;
@@ -20,7 +20,7 @@ fn main() -> ExitCode {
 fn run(arguments: Arguments, console: &Console) -> Outcome<Answer> {
     let (output, job) = (arguments.common.output.as_deref(), arguments.job()?);
     let SearchOptions { state, report, log, .. } = &arguments.search;
-    Output::check([output, state.as_deref(), report.as_deref(), log.as_deref()].into_iter().flatten())?;
+    Output::check([Some(arguments.common.output()), state.as_deref(), report.as_deref(), log.as_deref()].into_iter().flatten())?;
     match job {
         Job::Search(start) => search(&start, &arguments, console),
         Job::Propose(state, start) => {
@@ -40,7 +40,7 @@ fn run(arguments: Arguments, console: &Console) -> Outcome<Answer> {
             let mut search = Search::kept(&state)?;
             let chi2 = match chi2 {
                 Some(chi2) => chi2,
-                None => last_number(&String::from_utf8_lossy(&Input::default().read("-")?.1))
+                None => exec::chi2(&String::from_utf8_lossy(&Input::default().read("-")?.1))
                     .ok_or_else(|| Error::new("tell: no number on standard input; pipe the program into it that prints chi-squared"))?,
             };
             search.hear(chi2, &state)?;
@@ -54,14 +54,14 @@ fn search(start: &str, arguments: &Arguments, console: &Console) -> Outcome<Answ
     let photo = &arguments.photo;
     match (&arguments.judge.exec, &photo.target) {
         (Some(command), _) => {
-            let search = begin(start, arguments)?;
+            let search = begin(start, arguments)?.told_by(command);
             let unknown = search.unknown().clone();
             anneal(search, &mut Exec::new(command, &unknown)?, None, arguments, console)
         }
         (None, Some(target)) if photo.direct => {
             let search = begin(start, arguments)?;
             let photo = Photo::new(search.unknown(), Some(target), arguments, console)?;
-            let search = search.judged_by(Asked::judged(arguments, photo.read()));
+            let search = search.judged_by(Asked::judged(arguments, photo.digest()));
             anneal(search, &mut Direct::new(&photo, arguments.loss())?, Some(&photo), arguments, console)
         }
         (None, Some(target)) => recover(start, target, arguments, console),
@@ -95,7 +95,11 @@ fn begin(start: &str, arguments: &Arguments) -> Outcome<Search> {
 
 fn found(search: &Search, photo: Option<&Photo>, arguments: &Arguments, console: &Console) -> Outcome<()> {
     let (bytes, doubts) = search.found()?;
-    Output::whole(arguments.common.output.as_deref(), &bytes)?;
-    doubts.iter().for_each(|doubt| console.warn(doubt));
-    arguments.search.report.as_ref().map_or(Ok(()), |path| report::of_search(path, search, photo, console))
+    let answered = Output::whole(arguments.common.output.as_deref(), &bytes);
+    if answered.is_ok() {
+        doubts.iter().for_each(|doubt| console.warn(doubt));
+    }
+    // The page is written even if nobody reads the answer.
+    let reported = arguments.search.report.as_ref().map_or(Ok(()), |path| report::of_search(path, search, photo, console));
+    answered.and(reported)
 }

@@ -15,8 +15,8 @@ fn main() -> ExitCode {
 
 fn run(args: Args, console: &Console) -> Outcome<Answer> {
     let metrics = args.metrics()?;
-    let files = [&args.common.output, &args.heatmap, &args.side_by_side];
-    Output::check(files.into_iter().flatten().map(|path| path.as_path()))?;
+    let files = [Some(args.common.output()), args.heatmap.as_deref(), args.side_by_side.as_deref()];
+    Output::check(files.into_iter().flatten())?;
     let input = Input::default();
     let (a, b) = (radiance(&input, &args.a)?, radiance(&input, &args.b)?);
     let c = args.unbiased.as_ref().map(|name| radiance(&input, name)).transpose()?;

@@ -8,7 +8,7 @@ use inverad::rad::Document;
 use inverad::resolve::Files;
 use inverad::rules::Rules;
 use inverad::sampling::Sampler;
-use inverad::scene::Scene;
+use inverad::scene::{Reading, Scene};
 use inverad::vector::Vec3;
 use inverad::world::World;
 
@@ -95,7 +95,7 @@ impl Room {
         let made = || {
             let files = Files::of(files.iter().copied());
             let flat = expand(vec![Document::read("scene.rad", text.into())?], &files)?;
-            World::new(Scene::new(&flat, &files, false)?, &rules)
+            World::new(Scene::new(&flat, &files, &Reading::default())?, &rules)
         };
         let world = made().unwrap_or_else(|e| panic!("{e}\n{text}"));
         Self { world, rules }

@@ -161,8 +161,8 @@ impl Said {
         self.list("-tE", &rays.exclude_files, "rays that meet the modifiers listed there are not told of after -ot");
         self.list("-ti", &rays.include, "rays that meet it are told of after -ot, others not");
         self.list("-tI", &rays.include_files, "rays that meet the modifiers listed there are told of after -ot, others not");
-        self.list("-e", &arguments.definitions, "a definition that expressions in the scene may use");
-        self.list("-f", &arguments.function_files, "definitions that expressions in the scene may use");
+        self.list("-e", &arguments.reading.definitions, "a definition that expressions in the scene may use");
+        self.list("-f", &arguments.reading.function_files, "definitions that expressions in the scene may use");
     }
 
     fn tuning(&mut self, tuning: &Tuning) {

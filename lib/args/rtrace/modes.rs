@@ -53,7 +53,23 @@ impl Arguments {
                 return Err(Error::new(format!("{option} is for pictures: give a view (-vf FILE, -vp …)")));
             }
         }
-        self.named(view || self.merge)
+        self.named(view || self.merge)?;
+        self.coloured(view || self.merge)
+    }
+
+    /// Refuses colours that a format cannot hold.
+    fn coloured(&self, picture: bool) -> Result<()> {
+        let PictureOptions { exr, xyz, luminance, scotopic, melanopic, .. } = &self.picture;
+        let into_exr = *exr || self.common.output.as_deref().is_some_and(|path| ends_in(path, &["exr"]));
+        if picture && *xyz && into_exr {
+            return Err(Error::new("-pXYZ: an OpenEXR file holds red, green and blue here: leave it out, or write a RADIANCE picture"));
+        }
+        let colors = self.rays.format.as_ref().is_some_and(|format| format.ends_with('c'));
+        let single = [(luminance, "-pY"), (scotopic, "-pS"), (melanopic, "-pM")].into_iter().find(|(given, _)| **given);
+        match single.filter(|_| !picture && colors) {
+            Some((_, option)) => Err(Error::new(format!("{option} is one number for each ray, -f…c three: write numbers (-fff, -ffa)"))),
+            None => Ok(()),
+        }
     }
 
     /// Refuses files whose names promise another format than they would have.
@@ -85,11 +101,11 @@ impl Arguments {
         }
     }
 
-    /// The files that are written.
+    /// Where something is written: files, and `-` for standard output.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
         let PictureOptions { z, variance, aov, .. } = &self.picture;
         let aov = aov.as_ref().map(|words| Path::new(&words[1]));
-        [self.common.output.as_deref(), z.as_deref(), variance.as_deref(), aov].into_iter().flatten()
+        [Some(self.common.output()), z.as_deref(), variance.as_deref(), aov].into_iter().flatten()
     }
 }
 
@@ -135,6 +151,9 @@ mod tests {
             ("--samples 0..2 s.rad", "--samples is for pictures"),
             ("-z z.f s.rad", "-z is for pictures"),
             ("--exr s.rad", "--exr is for pictures"),
+            ("-vp 0 0 1 -pXYZ -o x.EXR s.rad", "-pXYZ: an OpenEXR file holds red, green and blue here"),
+            ("--merge --exr -pXYZ p.exr", "-pXYZ: an OpenEXR file holds red, green and blue here"),
+            ("-fac -pY s.rad", "-pY is one number for each ray, -f…c three"),
         ] {
             let found = said(&format!("rtrace-rs {line}"));
             assert!(found.contains(wanted), "{line}: {found}");
@@ -161,7 +180,9 @@ mod tests {
             "-vp 0 0 1 --samples 0..2 -z z.f -o part s.rad",
             "-vp 0 0 1 -o p.png s.rad",
             "--merge --variance v.exr -pXYZ -o p.hdr p.exr",
-            "-x 40 -y 30 -ld- -pj 0 -pd 0 -pa 1 -ps 4 -pt .05 -dp 512 -ffc -pY -o p.hdr s.rad",
+            "-vp 0 0 1 -pXYZ -o p.hdr s.rad",
+            "-x 40 -y 30 -ld- -pj 0 -pd 0 -pa 1 -ps 4 -pt .05 -dp 512 -ffc -pXYZ -o p.hdr s.rad",
+            "-fff -pY s.rad",
         ] {
             assert_eq!(said(&format!("rtrace-rs {line}")), "", "{line}");
         }

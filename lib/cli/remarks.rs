@@ -1,0 +1,75 @@
+//! What the file of a picture says of itself that does not go with what was typed.
+
+use crate::args::rtrace::Light;
+use crate::picture::{PRIMARIES, Picture};
+use crate::rad::Number;
+use crate::render::Film;
+use crate::rules::Rules;
+use crate::rules::rendered::{bounces, reduced, shortcuts};
+use crate::unknown::Unknown;
+use crate::view::View;
+
+/// The shape of pixels is told to so much, and colours in terms of CIE (x, y): sRGB's primaries differ by .01 from RADIANCE's.
+const SHAPE: f64 = 0.01;
+const COLORS: f64 = 0.02;
+
+/// What is to be said of a picture that says that it was taken from elsewhere.
+pub fn elsewhere(name: &str, own: &View, asked: &View) -> Option<String> {
+    let remark = || format!("{name} says that it was taken from elsewhere ({}): leave out -vf for that view", own.header_line());
+    (!own.is_like(asked)).then(remark)
+}
+
+/// What is to be said of a picture on a film, in which something unknown is to be found by these rules.
+pub fn remarks(name: &str, target: &Picture, film: &Film, unknown: &Unknown, typed: &Light, rules: &Rules) -> Vec<String> {
+    let lines = || target.header.lines.iter().map(String::as_str);
+    let spec = unknown.material().type_of().and_then(|t| t.parameter("spec")).filter(|_| typed.st.or(typed.ss).is_none());
+    let least = spec.map(|spec| {
+        let lowest: Vec<f64> = unknown.bounds().iter().map(|bound| bound.0).collect();
+        unknown.reals(&lowest)[spec]
+    });
+    let file = [misshapen(name, target, film), coloured(name, target), cut_off(target, film), bounces(lines(), rules)];
+    let mut said: Vec<String> = file.into_iter().flatten().collect();
+    said.extend(least.into_iter().flat_map(|least| shortcuts(lines(), least)));
+    said
+}
+
+/// Of pixels that are not of the shape that the header says, by more than rounding rows or columns makes.
+fn misshapen(name: &str, target: &Picture, film: &Film) -> Option<String> {
+    let (said, seen) = (target.header.pixel_aspect(), film.camera.pixel_aspect(target.width, target.height));
+    let rounded = 1.0 / target.width.min(target.height) as f64;
+    let off = (seen / said).ln().abs() > SHAPE.max(rounded);
+    off.then(|| {
+        let seen = Number(format!("{seen:.2e}").parse().unwrap_or(seen));
+        format!(
+            "{name} is {} x {} pixels, each {seen} times as high as wide by this view: if they are square, -vh or -vv is another, \
+             or the picture was cropped (-vs, -vl); if not, a line PIXASPECT={seen} in its header says so",
+            target.width, target.height
+        )
+    })
+}
+
+/// Of a rendering that pfilt made smaller by a number of times that its rows or columns are no multiple of: it leaves some out, and the others are not
+/// where they seem to be.
+fn cut_off(target: &Picture, film: &Film) -> Option<String> {
+    let ([x, y, aspect], times) = reduced(target.header.lines.iter().map(String::as_str))?;
+    let (width, height) = film.camera.resolution(x as usize, y as usize, aspect);
+    let left = [("columns", width, target.width), ("rows", height, target.height)].into_iter().find(|(_, from, to)| {
+        let over = from.abs_diff(to.saturating_mul(times));
+        over > 0 && over < times
+    });
+    left.map(|(what, from, to)| {
+        format!(
+            "the target was rendered with {from} {what}, which pfilt made {to} of, {times} of each: the picture is shifted by up to a part of a pixel, \
+             which sharp edges tell; render it with a multiple of {times} of them"
+        )
+    })
+}
+
+/// Of colours that are mixed of other primaries than RADIANCE's.
+fn coloured(name: &str, target: &Picture) -> Option<String> {
+    let far = |(a, b): (&[f64; 2], &[f64; 2])| (a[0] - b[0]).hypot(a[1] - b[1]) > COLORS;
+    let other = target.header.primaries().is_some_and(|own| own[..3].iter().zip(&PRIMARIES[..3]).any(far));
+    other.then(|| {
+        format!("{name} has other PRIMARIES than RADIANCE's, and is taken as it is: what is found is in its colours, if those of the light are too")
+    })
+}

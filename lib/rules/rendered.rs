@@ -1,0 +1,131 @@
+//! How a picture was rendered, by its header, and what that means for whoever recovers a material from it.
+
+use super::{Rules, UNWEIGHTED};
+use crate::picture::command_words;
+
+/// The last renderer in a picture's header, and its options.
+struct Command<'a>(Vec<&'a str>);
+
+impl<'a> Command<'a> {
+    /// The last of these programs in the lines of a header; `None` if it is none of them that made the picture.
+    fn last(lines: impl IntoIterator<Item = &'a str>, programs: &[&str]) -> Option<Self> {
+        let commands = lines.into_iter().map(command_words);
+        commands.filter(|words| words.first().is_some_and(|program| programs.contains(program))).last().map(Self)
+    }
+
+    fn program(&self) -> &str {
+        self.0[0]
+    }
+
+    /// The word after an option, if it is given.
+    fn word(&self, name: &str) -> Option<&str> {
+        self.0.iter().rposition(|word| *word == name).and_then(|at| self.0.get(at + 1).copied())
+    }
+
+    /// The number that an option has, if it is given.
+    fn given(&self, name: &str) -> Option<f64> {
+        self.word(name)?.parse().ok()
+    }
+
+    /// The number that an option has, and the words for it.
+    fn option(&self, name: &str, default: f64) -> (f64, String) {
+        let given = self.given(name);
+        (given.unwrap_or(default), format!("{name} {}", given.map_or(format!("{default}, its default"), |value| value.to_string())))
+    }
+}
+
+/// What of rough reflection the last of RADIANCE's renderers in a picture's header changed, where a specularity may be as small as `least`: a sentence
+/// each. How much too bright: a metal ball in light from everywhere by `rpict -st 0 -ab 1`, with `-ss 1` and with `-ss 8`.
+pub fn shortcuts<'a>(lines: impl IntoIterator<Item = &'a str>, least: f64) -> Vec<String> {
+    let Some(command) = Command::last(lines, &["rpict", "rtrace"]) else { return vec![] };
+    let ((threshold, st), (sampling, ss)) = (command.option("-st", 0.15), command.option("-ss", 1.0));
+    let mut found = Vec::new();
+    let mut say = |option: String, harm: &str, remedy: &str| {
+        found.push(format!("the target was rendered by {} with {option}: {harm}; render it with {remedy}", command.program()));
+    };
+    if threshold > least {
+        say(st, "a specularity up to that mirrors nothing but lamps there, and comes out too small", "-st 0");
+    }
+    if sampling == 0.0 {
+        say(ss, "rough surfaces reflect like mirrors there", "-ss 2");
+    } else if sampling <= UNWEIGHTED {
+        say(ss, "rough surfaces reflect too much there, 3 % at a roughness of .1 and 8 % at .2", "-ss 2");
+    }
+    found
+}
+
+/// What is to be said if light bounces more often, or less often, by these rules than where a picture with this header was made.
+pub fn bounces<'a>(lines: impl IntoIterator<Item = &'a str>, rules: &Rules) -> Option<String> {
+    let all = Rules::default().ambient_bounces;
+    let here = rules.ambient_bounces;
+    let command = Command::last(lines, &["rpict", "rtrace", "rtrace-rs"])?;
+    let (program, given) = (command.program(), command.given("-ab"));
+    let there = match given {
+        Some(bounces) => bounces.max(0.0) as u32,
+        None if program == "rtrace-rs" => all,
+        None => 0,
+    };
+    let remedy = if there == all { "leave -ab out".into() } else { format!("give -ab {there}") };
+    let said = if given.is_some() { format!("-ab {there}") } else { "no -ab".into() };
+    (here != there).then(|| format!("the target was rendered by {program} with {said}, and here light bounces otherwise: {remedy}"))
+}
+
+/// The width, height and aspect of pixels that the last rpict in the lines of a header was asked for, and by how many times `pfilt -x /N` made the
+/// picture smaller since; `None` if it did not.
+pub fn reduced<'a>(lines: impl IntoIterator<Item = &'a str>) -> Option<([f64; 3], usize)> {
+    let mut reduced = None;
+    for command in lines.into_iter().map(command_words).filter(|words| !words.is_empty()).map(Command) {
+        match command.program() {
+            "rpict" => {
+                reduced = Some(([("-x", 512.0), ("-y", 512.0), ("-pa", 1.0)].map(|(name, default)| command.option(name, default).0), 1))
+            }
+            "pfilt" => {
+                let times = command.word("-x").and_then(|word| word.strip_prefix('/')?.parse().ok()).unwrap_or(1);
+                reduced = reduced.map(|(size, before)| (size, usize::saturating_mul(before, times)));
+            }
+            _ => {}
+        }
+    }
+    reduced.filter(|(_, times)| *times > 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shortcuts_of_renderings_are_read_off_their_headers() {
+        let said = |lines: &[&str], least| shortcuts(lines.iter().copied(), least);
+        assert!(said(&["rpict -st 0 -ss 8 -vf a.vf a.oct", "pfilt -x /2"], 0.0).is_empty());
+        assert!(said(&["rtrace-rs -ab 2", "SOFTWARE= RADIANCE rtrace, -st .15"], 0.0).is_empty());
+        let defaults = said(&["/usr/bin/rpict -vf a.vf a.oct", "\tpfilt -x /2"], 0.0);
+        assert!(defaults[0].starts_with("the target was rendered by rpict with -st 0.15, its default: "), "{defaults:?}");
+        assert!(defaults[1].starts_with("the target was rendered by rpict with -ss 1, its default: "), "{defaults:?}");
+        let [only] = &said(&["rtrace -st .3 -ss 0 -st .1 a.oct"], 0.2)[..] else { panic!() };
+        assert_eq!(only, "the target was rendered by rtrace with -ss 0: rough surfaces reflect like mirrors there; render it with -ss 2");
+    }
+
+    #[test]
+    fn how_much_smaller_a_rendering_was_made_is_read_off_its_header() {
+        let lines = ["oconv a.rad", "rpict -x 400 -y 320 a.oct", "VIEW= -vtv", "", "pfilt -1 -x /2 -y /2", "\tpfilt -x /2 -y /2"];
+        assert_eq!(reduced(lines), Some(([400.0, 320.0, 1.0], 4)));
+        assert_eq!(reduced(lines[..3].iter().copied()), None);
+        assert_eq!(reduced(["pfilt -x /2"]), None);
+    }
+
+    #[test]
+    fn light_that_bounces_otherwise_is_told() {
+        let said = |lines: &[&str], ab: Option<u32>| {
+            let rules = Rules { ambient_bounces: ab.unwrap_or(Rules::default().ambient_bounces), ..Rules::default() };
+            bounces(lines.iter().copied(), &rules).unwrap_or_default()
+        };
+        for (lines, ab) in
+            [(vec!["rpict -ab 2 a.oct", "\tpfilt -x /2"], Some(2)), (vec!["rtrace-rs a.rad"], None), (vec!["hdrgen a.jpg"], None)]
+        {
+            assert_eq!(said(&lines, ab), "");
+        }
+        assert!(said(&["rpict -ab 2 a.oct"], None).ends_with("by rpict with -ab 2, and here light bounces otherwise: give -ab 2"));
+        assert!(said(&["rpict a.oct"], Some(2)).ends_with("by rpict with no -ab, and here light bounces otherwise: give -ab 0"));
+        assert!(said(&["rtrace-rs a.rad"], Some(2)).ends_with("by rtrace-rs with no -ab, and here light bounces otherwise: leave -ab out"));
+    }
+}
