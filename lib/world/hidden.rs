@@ -107,3 +107,41 @@ impl World {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::error::Source;
+    use crate::expand::expand;
+    use crate::rad::Document;
+    use crate::resolve::Files;
+    use crate::rules::Rules;
+    use crate::scene::{Reading, Scene};
+
+    /// The chances of the sun and of a bulb, seen from between them and a floor, with these walls.
+    fn chances(walls: &str) -> [f64; 2] {
+        let text = format!(
+            "void light solar 0 0 3 1e6 1e6 1e6 solar source sun 0 0 4 .1 .2 1 .5
+             void light bulb 0 0 3 9 9 9 bulb sphere lamp 0 0 4 1 2 2.5 .05
+             void plastic wall 0 0 5 .5 .5 .5 0 0 void glass pane 0 0 3 .9 .9 .9
+             wall ring floor 0 0 8 2 2 0 0 0 1 0 3
+             {walls}\n"
+        );
+        let document = Document::parse(Source::new("room.rad", text)).unwrap();
+        let (files, rules) = (Files::default(), Rules::default());
+        let scene = Scene::new(&expand(vec![document], &files).unwrap(), &files, &Reading::default()).unwrap();
+        let mut world = World::new(scene, &rules).unwrap();
+        let direction = |i: usize| Frame::around(-Vec3::Z).to_world(cosine_hemisphere(LATTICE.map(|step| (i as f64 * step).fract())));
+        world.survey((0..200).map(|i| Ray::new(Vec3::new(2.0, 2.0, 1.5), direction(i))), &rules);
+        let chance = |is_sun: bool| world.lamps().iter().find(|lamp| (lamp.brightness > 1e3) == is_sun).unwrap().chance;
+        [chance(true), chance(false)]
+    }
+
+    #[test]
+    fn few_samples_are_for_a_sun_that_no_surface_sees() {
+        for (walls, sees) in [("!genbox wall room 4 4 3 -i", false), ("# none", true), ("pane ring roof 0 0 8 2 2 3 0 0 1 0 9", true)] {
+            let [sun, bulb] = chances(walls);
+            assert!(if sees { sun > 0.9 } else { sun < 0.1 } && bulb > 0.8, "{walls}: {sun} {bulb}");
+        }
+    }
+}
