@@ -34,18 +34,29 @@ impl Loss {
     /// What a value of a rendering adds to it where the reference, whose average is `average`, has `reference`; without what the variance of
     /// that value adds on the average (to the logarithm's square to first order).
     pub fn of(self, reference: f64, value: f64, variance: f64, average: f64) -> f64 {
-        let square = (reference - value).powi(2) - variance;
+        let rest = self.rest(reference, value, average);
+        let added = match self {
+            Self::Chi2 => variance,
+            Self::Relative => variance / relative_to(reference, average),
+            // E[ln²(v + ε)/r] = ln² v/r + (1 - ln v/r) var ε / v² + …
+            Self::Log => (1.0 - rest) * variance / above_nothing(value, average).powi(2),
+        };
+        rest * rest - added
+    }
+
+    /// What it is the square of: by how much the value of a rendering is above the reference, as it reckons that.
+    pub fn rest(self, reference: f64, value: f64, average: f64) -> f64 {
         match self {
-            Self::Chi2 => square,
-            Self::Relative => square / relative_to(reference, average),
-            Self::Log => {
-                let [reference, value] = [reference, value].map(|v| v.max(0.0) + EPSILON.sqrt() * average);
-                let logarithm = (value / reference).ln();
-                // E[ln²(v + ε)/r] = ln² v/r + (1 - ln v/r) var ε / v² + …
-                logarithm.powi(2) - (1.0 - logarithm) * variance / (value * value)
-            }
+            Self::Chi2 => value - reference,
+            Self::Relative => (value - reference) / relative_to(reference, average).sqrt(),
+            Self::Log => (above_nothing(value, average) / above_nothing(reference, average)).ln(),
         }
     }
+}
+
+/// A value as logarithms are taken of it, where the average of the reference is this.
+fn above_nothing(value: f64, average: f64) -> f64 {
+    value.max(0.0) + EPSILON.sqrt() * average
 }
 
 /// What a square is relative to where the reference, whose average is `average`, has `reference`.

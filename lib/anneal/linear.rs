@@ -70,6 +70,12 @@ impl Symmetric {
         self.times(x).iter().zip(x).map(|(a, b)| a * b).sum()
     }
 
+    /// A B A.
+    pub fn around(&self, inner: &Self) -> Self {
+        let row = |i: usize| -> Vec<f64> { (0..self.size).map(|k| self.at(i, k)).collect() };
+        Self::of(self.size, |i, j| inner.times(&row(j)).iter().zip(row(i)).map(|(a, b)| a * b).sum())
+    }
+
     /// The lower triangular L with L Lᵀ = A, row by row; `None` when A is not positive definite.
     fn cholesky(&self) -> Option<Vec<f64>> {
         let n = self.size;
@@ -199,5 +205,10 @@ mod tests {
         });
         seen.sort_by(f64::total_cmp);
         assert!((seen[0] - 0.5).abs() < 1e-14 && (seen[1] - 1.5).abs() < 1e-14);
+    }
+    #[test]
+    fn a_matrix_around_another() {
+        let (a, b) = (Symmetric::of(2, |i, j| [[2.0, 1.0], [1.0, 3.0]][i][j]), Symmetric::diagonal(&[1.0, 2.0]));
+        assert_eq!(a.around(&b), Symmetric::of(2, |i, j| [[6.0, 8.0], [8.0, 19.0]][i][j]));
     }
 }

@@ -4,6 +4,7 @@ use super::remarks::{elsewhere, remarks};
 use super::search::Objective;
 use super::stream::Input;
 use super::{Console, Disk, Outcome, scene};
+use crate::anneal::linear::Symmetric;
 use crate::args::anneal::{Arguments, Sharpness};
 use crate::color::Rgb;
 use crate::error::{Error, Result};
@@ -277,6 +278,9 @@ fn surveyed(scene: Scene, rules: &Rules, unknown: MaterialId, film: &Film) -> Re
 const ADDED: &str = "predicted_lamp";
 const LAMP: f64 = 2.0;
 
+/// How far to either side derivatives are taken over, in terms of a parameter's range.
+const STEP: f64 = 0.01;
+
 /// Renders the pixels that count anew for every candidate.
 pub struct Direct<'p, 'a> {
     photo: &'p Photo<'a>,
@@ -295,19 +299,31 @@ impl<'p, 'a> Direct<'p, 'a> {
         Ok(Self { photo, pixels, average, loss })
     }
 
-    /// How far a rendering with these values is from the picture.
-    fn judged(&self, values: &[f64], loss: Loss) -> Result<f64> {
+    /// What `of` makes of each channel of each pixel of a rendering with these values: of how much the pixel counts, of what it is in the picture and in
+    /// the rendering, and of the variance of that.
+    fn compared(&self, values: &[f64], of: impl Fn(f64, f64, f64, f64) -> f64) -> Result<Vec<f64>> {
         let photo = self.photo;
         let exposure = Rgb::from(photo.unknown.exposures(values));
         let world = photo.setting().world(&photo.unknown.reals(values))?;
         let rendering = photo.evidence().rendered(&world, &self.pixels, photo.seed);
-        let sum = rendering.pixels.iter().zip(&self.pixels).map(|(pixel, &number)| {
+        let each = rendering.pixels.iter().zip(&self.pixels).flat_map(|(pixel, &number)| {
             let (target, seen) = (photo.target.pixels[number], exposure * pixel.mean());
             let variance = exposure * exposure * pixel.variance().0;
             let weight = photo.mask.as_ref().map_or(1.0, |mask| mask[number] as f64);
-            weight * (0..3).map(|c| loss.of(target[c] as f64, seen[c], variance[c], self.average)).sum::<f64>()
+            std::array::from_fn::<f64, 3, _>(|c| of(weight, target[c] as f64, seen[c], variance[c]))
         });
-        Ok(sum.sum())
+        Ok(each.collect())
+    }
+
+    /// How far a rendering with these values is from the picture.
+    fn judged(&self, values: &[f64], loss: Loss) -> Result<f64> {
+        let each = self.compared(values, |weight, target, seen, variance| weight * loss.of(target, seen, variance, self.average))?;
+        Ok(each.iter().sum())
+    }
+
+    /// What the squares are of, whose sum it makes small.
+    fn rests(&self, values: &[f64]) -> Result<Vec<f64>> {
+        self.compared(values, |weight, target, seen, _| weight.sqrt() * self.loss.rest(target, seen, self.average))
     }
 }
 
@@ -318,5 +334,31 @@ impl Objective for Direct<'_, '_> {
 
     fn told(&self, values: &[f64]) -> Result<Option<f64>> {
         (self.loss != Loss::Chi2).then(|| self.judged(values, Loss::Chi2)).transpose()
+    }
+
+    /// By the residuals of the pixels, which hold the noise of the picture and that of the renderings, the same in all (White 1980; the bounds
+    /// say what the pixels do not).
+    fn covariance(&self, values: &[f64]) -> Result<Option<Symmetric>> {
+        let parameters = self.photo.unknown.parameters();
+        let rests = self.rests(values)?;
+        let mut derivatives = Vec::new();
+        for (i, parameter) in parameters.iter().enumerate() {
+            let at = |value: f64| self.rests(&[&values[..i], &[value], &values[i + 1..]].concat());
+            let step = STEP * parameter.range();
+            let (low, high) = ((values[i] - step).max(parameter.low), (values[i] + step).min(parameter.high));
+            let change: Vec<f64> =
+                at(high)?.iter().zip(at(low)?).map(|(high_rest, low_rest)| (high_rest - low_rest) / (high - low)).collect();
+            derivatives.push(change);
+        }
+        let product = |i: usize, j: usize, each: &dyn Fn(usize) -> f64| {
+            let (a, b) = (&derivatives[i], &derivatives[j]);
+            a.iter().zip(b).enumerate().map(|(k, (a, b))| a * b * each(k)).sum::<f64>()
+        };
+        let square = rests.iter().map(|rest| rest * rest).sum::<f64>() / rests.len() as f64;
+        let prior = |i: usize, j: usize| if i == j { square / parameters[i].anywhere().powi(2) } else { 0.0 };
+        let n = parameters.len();
+        let squares = Symmetric::of(n, |i, j| square * prior(i, j) + product(i, j, &|k| rests[k] * rests[k]));
+        let inverse = Symmetric::of(n, |i, j| prior(i, j) + product(i, j, &|_| 1.0)).inverse();
+        Ok(inverse.map(|inverse| inverse.around(&squares)))
     }
 }

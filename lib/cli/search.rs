@@ -43,6 +43,9 @@ struct Kept {
     /// The chi-squared of the best, at the end, if that is not what was made small; nothing once there is more to tell.
     #[serde(default)]
     chi2: Option<f64>,
+    /// The covariance of the errors of the best, at the end, where who judges knows it.
+    #[serde(default)]
+    covariance: Option<Symmetric>,
     annealer: Annealer,
     /// Whether `propose` has given out the proposal that `tell` tells of.
     #[serde(default)]
@@ -54,6 +57,11 @@ pub trait Objective {
     /// Chi-squared at `values`, by the means of the stage (from 0, coarse, to the last, fine). It may be noisy, and negative where an
     /// unbiased estimate is; not finite means that these values are impossible.
     fn chi2(&mut self, values: &[f64], stage: usize) -> Result<f64>;
+
+    /// The covariance of the errors of `values` at the end, if more is known of it than what is made small shows.
+    fn covariance(&self, _values: &[f64]) -> Result<Option<Symmetric>> {
+        Ok(None)
+    }
 
     /// Chi-squared at `values`, if what is made small is something else.
     fn told(&self, _values: &[f64]) -> Result<Option<f64>> {
@@ -88,7 +96,18 @@ impl Search {
         options.groups = unknown.groups().to_vec();
         let annealer = Annealer::new(unknown.parameters().to_vec(), options)?;
         Ok(Self {
-            kept: Kept { name: name.into(), start, wishes, loss, judged: None, command: None, chi2: None, annealer, asked: false },
+            kept: Kept {
+                name: name.into(),
+                start,
+                wishes,
+                loss,
+                judged: None,
+                command: None,
+                chi2: None,
+                covariance: None,
+                annealer,
+                asked: false,
+            },
             unknown,
         })
     }
@@ -181,7 +200,7 @@ impl Search {
             return Err(Error::new(format!("the chi-squared of the start is {chi2}: the start must be possible")));
         }
         annealer.tell(chi2);
-        (self.kept.chi2, self.kept.asked) = (None, false);
+        (self.kept.chi2, self.kept.covariance, self.kept.asked) = (None, None, false);
         Ok(())
     }
 
@@ -238,7 +257,8 @@ impl Search {
     pub fn answer(&self, values: &[f64]) -> Answer<'_> {
         let annealer = &self.kept.annealer;
         let nothing = || Symmetric::diagonal(&vec![f64::INFINITY; values.len()]);
-        let covariance = if annealer.is_flat() { Some(nothing()) } else { annealer.covariance() };
+        let known = self.kept.covariance.clone().filter(|known| known.is_finite_of(values.len()));
+        let covariance = known.or_else(|| if annealer.is_flat() { Some(nothing()) } else { annealer.covariance() });
         let known = covariance.map(|covariance| Known { covariance, common: None, misfit: 0.0, blur: None });
         Answer::new(&self.unknown, values, known.as_ref())
     }
@@ -296,6 +316,7 @@ impl Search {
         }
         if let Some(best) = self.kept.annealer.best() {
             self.kept.chi2 = objective.told(&best.values)?;
+            self.kept.covariance = objective.covariance(&best.values)?;
         }
         watch.state.map_or(Ok(()), |path| self.save(path))?;
         let annealer = &self.kept.annealer;
