@@ -328,6 +328,7 @@ mod tests {
         assert!(pixel_count(1 << 14, 1 << 14).is_ok() && pixel_count(1 << 14, (1 << 14) + 1).is_err());
         assert!(pixel_count(usize::MAX, 2).is_err() && pixel_count(0, 5).is_err());
     }
+
     #[test]
     fn a_shrunk_picture_holds_the_means_of_what_is_finite() {
         let pixels: Vec<[f32; 1]> = (0..15).map(|n| [if n == 6 { f32::NAN } else { n as f32 }]).collect();

@@ -22,7 +22,7 @@ use crate::geometry::Ray;
 use crate::integrator::{Integrator, Radiance};
 use crate::picture::{pixel_count, reserve};
 use crate::rules::Rules;
-use crate::sampling::{LATTICE, Sampler, disk};
+use crate::sampling::{Sampler, disk, lattice};
 use crate::vector::Vec3;
 use crate::view::{Camera, View};
 use crate::world::World;
@@ -111,7 +111,7 @@ impl Film {
         let (width, height) = (self.width, self.height);
         let all = width * height <= count;
         (0..count.min(width * height)).map(move |i| {
-            let [x, y] = LATTICE.map(|step| ((i + 1) as f64 * step).fract());
+            let [x, y] = lattice(i + 1);
             if all { i } else { (y * height as f64) as usize * width + (x * width as f64) as usize }
         })
     }

@@ -97,9 +97,11 @@ pub fn disk([u, v]: [f64; 2]) -> [f64; 2] {
     [r * cos, r * sin]
 }
 
-/// Steps of a lattice that is even in each of its two dimensions: 1/ρ and 1/ρ² of the plastic number, ρ³ = ρ + 1 (Roberts 2018, "The unreasonable
-/// effectiveness of quasirandom sequences").
-pub const LATTICE: [f64; 2] = [0.754_877_666_246_692_8, 0.569_840_290_998_053_2];
+/// The place of that number in the unit square on a lattice that is even in each of its two dimensions: its steps are 1/ρ and 1/ρ² of the plastic
+/// number, ρ³ = ρ + 1 (Roberts 2018, "The unreasonable effectiveness of quasirandom sequences").
+pub fn lattice(number: usize) -> [f64; 2] {
+    [0.754_877_666_246_692_8, 0.569_840_290_998_053_2].map(|step| (number as f64 * step).fract())
+}
 
 /// A direction of the hemisphere around +z with density cos θ / π (per solid angle).
 pub fn cosine_hemisphere(u: [f64; 2]) -> Vec3 {

@@ -206,6 +206,7 @@ mod tests {
         seen.sort_by(f64::total_cmp);
         assert!((seen[0] - 0.5).abs() < 1e-14 && (seen[1] - 1.5).abs() < 1e-14);
     }
+
     #[test]
     fn a_matrix_around_another() {
         let (a, b) = (Symmetric::of(2, |i, j| [[2.0, 1.0], [1.0, 3.0]][i][j]), Symmetric::diagonal(&[1.0, 2.0]));

@@ -45,7 +45,7 @@ pub fn rendered(args: &Arguments, rules: &Rules, disk: &Disk, start: Instant, co
     let rendering = render(&task, &stop, &mut |so_far| {
         console.progress(|| film::reached(so_far));
     });
-    let interrupted = stop();
+    let (mut interrupted, mut left) = (stop(), "");
     if let Some(range) = &args.accuracy.samples {
         if interrupted {
             return Err(Error::new("interrupted: a part of the samples of a part is of no use").into());
@@ -53,7 +53,6 @@ pub fn rendered(args: &Arguments, rules: &Rules, disk: &Disk, start: Instant, co
         let planes = part(film.width, film.height, header, range, &rendering);
         return Output::whole(output, &planes.write()?).map(|()| Answer::Yes);
     }
-    let (mut interrupted, mut left) = (interrupted, "");
     if let (Some(names), Some([_, path])) = (aovs, options.aov.as_deref()) {
         match features(&task, &rendering, &stop) {
             Some(features) => Output::whole(Some(path.as_ref()), &film::features(&film, &header, &names, &features)?)?,

@@ -247,19 +247,23 @@ impl Search {
     /// What is lacking at the end in the standard errors that were wished for, if anything is.
     pub fn lack(&self) -> Option<String> {
         let (annealer, options) = (&self.kept.annealer, self.kept.annealer.options());
-        match annealer.covariance() {
+        match self.covariance() {
             Some(covariance) => missed(annealer.parameters(), &covariance.deviations(), options.tolerance?),
             None => options.polish.then(|| "the search ended before there were standard errors: give it more --steps or --time".into()),
         }
     }
 
+    /// The covariance of the errors of the best: by who judges, where he knows it, else by what he said.
+    fn covariance(&self) -> Option<Symmetric> {
+        let (annealer, size) = (&self.kept.annealer, self.kept.annealer.parameters().len());
+        let nothing = || Symmetric::diagonal(&vec![f64::INFINITY; size]);
+        let known = self.kept.covariance.clone().filter(|known| known.is_finite_of(size));
+        known.or_else(|| if annealer.is_flat() { Some(nothing()) } else { annealer.covariance() })
+    }
+
     /// What there is to say of some values.
     pub fn answer(&self, values: &[f64]) -> Answer<'_> {
-        let annealer = &self.kept.annealer;
-        let nothing = || Symmetric::diagonal(&vec![f64::INFINITY; values.len()]);
-        let known = self.kept.covariance.clone().filter(|known| known.is_finite_of(values.len()));
-        let covariance = known.or_else(|| if annealer.is_flat() { Some(nothing()) } else { annealer.covariance() });
-        let known = covariance.map(|covariance| Known { covariance, common: None, misfit: 0.0, blur: None });
+        let known = self.covariance().map(|covariance| Known { covariance, common: None, misfit: 0.0, blur: None });
         Answer::new(&self.unknown, values, known.as_ref())
     }
 

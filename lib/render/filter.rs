@@ -1,6 +1,6 @@
 //! Which of the light around its centre a pixel takes in.
 
-use crate::picture::command_words;
+use crate::rules::rendered::Command;
 
 /// How much light counts by where it is in a pixel or beside it: along both axes alike, a density in steps.
 ///
@@ -58,24 +58,19 @@ impl Filter {
     pub fn said<'a>(lines: impl IntoIterator<Item = &'a str>) -> Option<Self> {
         let (mut filter, mut width) = (None, None);
         for line in lines {
-            let words = command_words(line);
-            let option = |name: &str| {
-                let at = words.iter().position(|word| *word == name).map(|at| words.get(at + 1).copied());
-                at.unwrap_or_else(|| words.iter().find_map(|word| word.strip_prefix(name)?.strip_prefix('=')))
-            };
-            let number = |name: &str| option(name).and_then(|word| word.parse::<f64>().ok());
-            let radius = |name: &str| number(name).filter(|radius| (0.0..=WIDEST).contains(radius));
+            let command = Command::of(line);
+            let radius = |name: &str| command.given(name).filter(|radius| (0.0..=WIDEST).contains(radius));
             let mut larger = None;
-            match words.first().copied() {
-                Some("pfilt") if ["-x", "-y", "-r"].iter().any(|name| words.contains(name)) => {
-                    let times = option("-x").and_then(|word| word.strip_prefix('/')?.parse::<f64>().ok());
-                    larger = times.or_else(|| Some(width? / number("-x")?)).filter(|times| (1.0..=FINE).contains(times));
+            match command.program() {
+                "pfilt" if ["-x", "-y", "-r"].iter().any(|name| command.word(name).is_some()) => {
+                    let times = command.times().or_else(|| Some(width? / command.given("-x")?));
+                    larger = times.filter(|times| (1.0..=FINE).contains(times));
                     filter = radius("-r").map(|radius| Self::gaussian(radius, larger));
                 }
-                Some("rtrace-rs") => filter = radius("--filter").map(|radius| Self::gaussian(radius, None)),
+                "rtrace-rs" => filter = radius("--filter").map(|radius| Self::gaussian(radius, None)),
                 _ => {}
             }
-            width = larger.zip(width).map(|(times, width): (f64, f64)| width / times).or(number("-x")).or(width);
+            width = larger.zip(width).map(|(times, width): (f64, f64)| width / times).or(command.given("-x")).or(width);
         }
         filter
     }

@@ -2,28 +2,42 @@
 
 use super::{Rules, UNWEIGHTED};
 use crate::picture::command_words;
+use std::str::FromStr;
 
-/// The last renderer in a picture's header, and its options.
-struct Command<'a>(Vec<&'a str>);
+/// A command in a picture's header: the program's name without its directory, and its options.
+pub struct Command<'a>(Vec<&'a str>);
 
 impl<'a> Command<'a> {
+    /// What a line of a header says.
+    pub fn of(line: &'a str) -> Self {
+        Self(command_words(line))
+    }
+
     /// The last of these programs in the lines of a header; `None` if it is none of them that made the picture.
     fn last(lines: impl IntoIterator<Item = &'a str>, programs: &[&str]) -> Option<Self> {
-        let commands = lines.into_iter().map(command_words);
-        commands.filter(|words| words.first().is_some_and(|program| programs.contains(program))).last().map(Self)
+        lines.into_iter().map(Self::of).filter(|command| programs.contains(&command.program())).last()
     }
 
-    fn program(&self) -> &str {
-        self.0[0]
+    /// The program; empty in an empty line.
+    pub fn program(&self) -> &str {
+        self.0.first().copied().unwrap_or_default()
     }
 
-    /// The word after an option, if it is given.
-    fn word(&self, name: &str) -> Option<&str> {
-        self.0.iter().rposition(|word| *word == name).and_then(|at| self.0.get(at + 1).copied())
+    /// The word after an option, or after its `=`, if it is given.
+    pub fn word(&self, name: &str) -> Option<&str> {
+        match self.0.iter().rposition(|word| *word == name) {
+            Some(at) => self.0.get(at + 1).copied(),
+            None => self.0.iter().rev().find_map(|word| word.strip_prefix(name)?.strip_prefix('=')),
+        }
+    }
+
+    /// By how many times `-x /N` makes a picture smaller, if it says so.
+    pub fn times<N: FromStr>(&self) -> Option<N> {
+        self.word("-x")?.strip_prefix('/')?.parse().ok()
     }
 
     /// The number that an option has, if it is given.
-    fn given(&self, name: &str) -> Option<f64> {
+    pub fn given(&self, name: &str) -> Option<f64> {
         self.word(name)?.parse().ok()
     }
 
@@ -74,14 +88,14 @@ pub fn bounces<'a>(lines: impl IntoIterator<Item = &'a str>, rules: &Rules) -> O
 /// picture smaller since; `None` if it did not.
 pub fn reduced<'a>(lines: impl IntoIterator<Item = &'a str>) -> Option<([f64; 3], usize)> {
     let mut reduced = None;
-    for command in lines.into_iter().map(command_words).filter(|words| !words.is_empty()).map(Command) {
+    for command in lines.into_iter().map(Command::of) {
         match command.program() {
             "rpict" => {
-                reduced = Some(([("-x", 512.0), ("-y", 512.0), ("-pa", 1.0)].map(|(name, default)| command.option(name, default).0), 1))
+                reduced =
+                    Some(([("-x", 512.0), ("-y", 512.0), ("-pa", 1.0)].map(|(name, default)| command.given(name).unwrap_or(default)), 1))
             }
             "pfilt" => {
-                let times = command.word("-x").and_then(|word| word.strip_prefix('/')?.parse().ok()).unwrap_or(1);
-                reduced = reduced.map(|(size, before)| (size, usize::saturating_mul(before, times)));
+                reduced = reduced.map(|(size, before)| (size, usize::saturating_mul(before, command.times().unwrap_or(1))));
             }
             _ => {}
         }

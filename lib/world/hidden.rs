@@ -4,10 +4,10 @@
 //! by that, and lights nothing, or a patch. Where a lamp lights a part v of the places that are looked at, and these by f, the variance of the whole is least
 //! if it is chosen in proportion to the root of the mean square, f √v (Owen 2013, "Monte Carlo theory, methods and examples", section 9.11).
 
-use super::{End, World};
+use super::World;
 use crate::geometry::Ray;
 use crate::material::Material;
-use crate::sampling::{LATTICE, cosine_hemisphere};
+use crate::sampling::{cosine_hemisphere, lattice};
 use crate::scene::ChainId;
 use crate::vector::{Frame, Vec3};
 
@@ -30,6 +30,7 @@ impl World {
             return;
         }
         let places: Vec<Lit> = rays.iter().enumerate().flat_map(|(i, ray)| self.looked_at(ray, i)).collect();
+        // An odd step: every other place is lit by what is seen.
         let step = (places.len() * self.lamps.len()).div_ceil(MOST_RAYS).max(1) | 1;
         let chances: Vec<f64> = (0..self.lamps.len())
             .map(|lamp| {
@@ -47,7 +48,7 @@ impl World {
     fn looked_at(&self, ray: &Ray, number: usize) -> impl Iterator<Item = Lit> {
         let first = self.met(ray);
         let second = first.as_ref().and_then(|lit| {
-            let direction = Frame::around(lit.normal?).to_world(cosine_hemisphere(LATTICE.map(|step| (number as f64 * step).fract())));
+            let direction = Frame::around(lit.normal?).to_world(cosine_hemisphere(lattice(number)));
             self.met(&Ray { origin: lit.place, direction })
         });
         first.into_iter().chain(second)
@@ -56,7 +57,7 @@ impl World {
     fn met(&self, ray: &Ray) -> Option<Lit> {
         let hit = self.nearest(ray, f64::INFINITY)?;
         let facing = if hit.normal.dot(ray.direction) < 0.0 { hit.normal } else { -hit.normal };
-        Some(Lit { place: hit.point, normal: (!self.lets_on(self.find(&hit).chain)).then_some(facing) })
+        Some(Lit { place: hit.point, normal: (!self.ends_in(self.find(&hit).chain, Material::nominally_transparent)).then_some(facing) })
     }
 
     /// Whether a lamp lights a place, in some direction to it; `None` where it never does, wherever other things are.
@@ -64,8 +65,7 @@ impl World {
         if self.lamps[lamp].importance(lit.place) <= 0.0 {
             return None;
         }
-        let u = LATTICE.map(|step| (number as f64 * step).fract());
-        let Some(to) = self.lamps[lamp].sample(lit.place, u) else { return Some(false) };
+        let Some(to) = self.lamps[lamp].sample(lit.place, lattice(number)) else { return Some(false) };
         Some(
             lit.normal.is_none_or(|normal| normal.dot(to.direction) > 0.0)
                 && self.is_in_sight(lamp, Ray { origin: lit.place, direction: to.direction }, to.distance),
@@ -82,7 +82,7 @@ impl World {
             if found.lamp == Some(lamp) || mirror == Some(hit.surface) {
                 return true;
             }
-            if !self.lets_on(found.chain) {
+            if !self.ends_in(found.chain, |material| !material.shades()) {
                 return false;
             }
             distance -= hit.t;
@@ -91,20 +91,11 @@ impl World {
         true
     }
 
-    /// Whether light may go on through what a chain ends in.
-    fn lets_on(&self, chain: ChainId) -> bool {
-        match self.chains[chain].end {
-            End::Void => true,
-            End::Mixture(_, fore, back) => self.lets_on(fore) || self.lets_on(back),
-            End::Material(m) => match &self.materials[m].material {
-                Material::Reflectance(reflectance) => reflectance.transmits,
-                Material::Ashikhmin(_) | Material::Mirror(_) | Material::Light(_) | Material::Glow(..) | Material::Spotlight(..) => false,
-                Material::Illum(_) => self.materials[m].alternate.is_none_or(|chain| self.lets_on(chain)),
-                Material::Functions(_) | Material::Dielectric(_) | Material::Interface(..) | Material::Glass(_) | Material::Antimatter => {
-                    true
-                }
-            },
-        }
+    /// Whether what a chain ends in, if it is anything, is so somewhere.
+    fn ends_in(&self, chain: ChainId, so: impl Fn(&Material) -> bool) -> bool {
+        let mut ends = Vec::new();
+        self.ends(chain, &mut ends);
+        ends.iter().any(|end| end.is_none_or(|material| so(&self.materials[material].material)))
     }
 }
 
@@ -131,7 +122,7 @@ mod tests {
         let (files, rules) = (Files::default(), Rules::default());
         let scene = Scene::new(&expand(vec![document], &files).unwrap(), &files, &Reading::default()).unwrap();
         let mut world = World::new(scene, &rules).unwrap();
-        let direction = |i: usize| Frame::around(-Vec3::Z).to_world(cosine_hemisphere(LATTICE.map(|step| (i as f64 * step).fract())));
+        let direction = |i: usize| Frame::around(-Vec3::Z).to_world(cosine_hemisphere(lattice(i)));
         world.survey((0..200).map(|i| Ray::new(Vec3::new(2.0, 2.0, 1.5), direction(i))), &rules);
         let chance = |is_sun: bool| world.lamps().iter().find(|lamp| (lamp.brightness > 1e3) == is_sun).unwrap().chance;
         [chance(true), chance(false)]

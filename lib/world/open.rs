@@ -10,7 +10,7 @@ use crate::color::{Rgb, bright};
 use crate::geometry::Ray;
 use crate::panorama::{Panorama, Place};
 use crate::rules::Rules;
-use crate::sampling::LATTICE;
+use crate::sampling::lattice;
 use crate::vector::Vec3;
 
 /// What a view has of the environment.
@@ -43,7 +43,7 @@ impl World {
         let (mut reached, mut all) = (0.0, 0.0);
         for (i, ray) in rays.iter().enumerate() {
             let Some(hit) = self.nearest(ray, f64::INFINITY) else { continue };
-            let u = LATTICE.map(|step| (i as f64 * step).fract());
+            let u = lattice(i);
             let coming = Coming::viewer(ray);
             self.layers(&hit, &coming, rules, &mut |layer| {
                 let bsdf = layer.bsdf(rules);
