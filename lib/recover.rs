@@ -22,6 +22,7 @@ pub mod predict;
 mod rough;
 pub mod saturated;
 mod scores;
+mod seen;
 mod sharpness;
 mod sheet;
 pub mod types;

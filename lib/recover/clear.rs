@@ -4,8 +4,9 @@
 
 use super::foresight::at_a_glance;
 use super::indices::Search;
-use super::look::{First, Look, Model};
+use super::look::{Look, Model};
 use super::model::{cubic, exposed, lagrange};
+use super::seen::First;
 use super::sheet::Sheet;
 use super::{Effort, Evidence, Recovery, Seeds};
 use crate::anneal::anywhere;

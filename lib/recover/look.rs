@@ -5,14 +5,13 @@ use super::enough::More;
 use super::fit::{Valley, derivatives};
 use super::misfit::misfit;
 use super::scores::{BOUNDINGS, Evaluation, STEPS, Scores, Way, influence, pictures, products, total};
+use super::seen::First;
 use super::sheet::{Channels, Sheet, mean, weight};
-use super::{Effort, Evidence, Recovery, Seeds, tile};
+use super::{Effort, Evidence, Recovery, Seeds};
 use crate::anneal::Parameter;
 use crate::anneal::linear::Symmetric;
-use crate::sampling::mix64;
 use crate::transport::Basis;
 use std::ops::Range;
-use std::time::Instant;
 
 /// A model of the picture near some values of the parameters.
 pub trait Model: Sync {
@@ -56,37 +55,6 @@ pub trait Model: Sync {
     /// Whether values lie well inside of where it can be: if not, they had better be looked at by a model around them.
     fn holds(&self, values: &[f64]) -> bool;
 }
-
-/// What a first round looks at.
-pub struct First {
-    /// So many pixels.
-    pub pixels: usize,
-    /// So many samples of each in each half.
-    pub samples: u32,
-    /// Whether whole squares are taken, in which neighbours say how far a pixel is to be trusted, or the single pixels that tell most.
-    pub squares: bool,
-    /// Whether errors that satisfy are to be found so again: small errors of few samples may be small by chance.
-    pub again: bool,
-}
-
-/// The most samples of a pixel in each half of a round, whatever its share.
-const MOST: f64 = 1024.0;
-
-/// Where it cannot be foreseen which pixels tell most: samples in each half of the first round, and of each pixel in it at the most.
-const FIRST: f64 = 80_000.0;
-const EACH: f64 = 64.0;
-
-/// Where it can: how many pixels are asked, and how many of those that tell most come before each other one, which may tell of what else is to be known.
-const ASKED: usize = 10_000;
-const TELLING: usize = 2;
-
-/// Where there is only one round: samples in each half of it, and of each pixel at the least.
-const QUICK: f64 = 20_000.0;
-const QUICK_EACH: f64 = 32.0;
-
-/// Where time is limited: the part of the pixels of the first round that is always looked at, and that of the time left which tracing may take.
-const TRIED: f64 = 0.1;
-const TRACED: f64 = 0.8;
 
 /// By how much a round adds to all samples before it, at the least and at the most: errors fall faster than samples grow while the derivatives
 /// are noise too.
@@ -137,113 +105,57 @@ impl Look<'_> {
     /// seen, as long as they tell of what is wanted most; among those seen, what one round finds says where the next samples are worth most.
     pub fn at(&self, model: &mut dyn Model, near: &[f64], seeds: &mut Seeds) -> Looked {
         model.tune(near, None);
-        let (pixels, foreseen) = self.order(model);
-        let begin = Instant::now();
-        let all = pixels.len() as f64;
-        let (first, mut each) = match &foreseen {
-            Some(first) => (first.pixels as f64, f64::from(first.samples)),
-            None if self.effort.quick => (all, (QUICK / all).clamp(QUICK_EACH, EACH).floor()),
-            None => {
-                let first = (FIRST / model.least()).floor().min(all);
-                (first, (FIRST / first).min(EACH).floor())
-            }
-        };
+        let mut seen = self.first(model, seeds.next());
         let (mut best, mut before) = (near.to_vec(), [(); 2].map(|()| vec![0.0; near.len()]));
-        // One for all rounds: what they add to a pixel fills it evenly with what it has.
-        let seed = seeds.next();
-        // Where time is limited, some of the pixels tell how many of them there is time for.
-        let until = (self.effort.until)().filter(|_| !self.effort.quick);
-        let mut count = if until.is_some() { (first * TRIED).ceil() } else { first };
-        let mut basis = model.trace_all(&pixels[..count as usize], each as u32, seed);
-        if let Some(until) = until {
-            let left = until.saturating_duration_since(Instant::now()).as_secs_f64() / begin.elapsed().as_secs_f64();
-            let next = (count * (1.0 + TRACED * left)).floor().min(first);
-            basis.append(model.trace_all(&pixels[count as usize..next as usize], each as u32, seed));
-            count = next;
-        }
         for round in 1.. {
-            let sheet = Sheet::new(self.evidence, &pixels[..count as usize]);
-            let Fit { mut found, influence, held, withheld } = self.fit(&sheet, model, &basis, &best);
-            let seen = found.errors();
-            self.temper(&mut found, &before);
-            before = [found.errors(), seen];
-            (self.effort.told)(&found);
+            let sheet = Sheet::new(self.evidence, seen.pixels());
+            let mut fit = self.fit(&sheet, model, &seen.basis, &best);
+            let untempered = fit.found.errors();
+            self.temper(&mut fit.found, &before);
+            let found = &fit.found;
+            before = [found.errors(), untempered];
+            (self.effort.told)(found);
             if self.evidence.blurred {
-                let blurred = self.blurred(found.clone(), &sheet, model, &basis);
+                let blurred = self.blurred(found.clone(), &sheet, model, &seen.basis);
                 if blurred.amiss().is_some() {
-                    return Looked { aside: aside(&found, &blurred), found: blurred };
+                    return Looked { aside: aside(found, &blurred), found: blurred };
                 }
             }
             let strayed = !model.holds(&found.values);
-            let budget = if self.effort.tolerance.is_none() { BUDGET / each / count } else { f64::INFINITY };
-            let time = (self.effort.until)().map_or(f64::INFINITY, |until| {
-                until.saturating_duration_since(Instant::now()).as_secs_f64() / begin.elapsed().as_secs_f64()
-            });
-            let drifts = held && model.glints() && !strayed && !self.effort.quick;
+            let budget = if self.effort.tolerance.is_none() { BUDGET / seen.each / seen.counts()[0] } else { f64::INFINITY };
+            let time = seen.time_left((self.effort.until)());
+            let drifts = fit.held && model.glints() && !strayed && !self.effort.quick;
             let spared = if drifts { PICTURES } else { 0.0 };
             // So many times as many samples as before may still be taken.
             let most = GROWTH.1.min(budget - 1.0).min((time - spared) / (1.0 + spared));
-            let wanted = self.effort.more(self.parameters, &found, [count, all], each, foreseen.is_some());
-            let unsure = round == 1 && foreseen.as_ref().is_some_and(|first| first.again);
-            let wanted = wanted.or_else(|| unsure.then_some(More::Samples(2.0)));
+            let wanted = self.effort.more(self.parameters, found, seen.counts(), seen.each, seen.foreseen());
+            let wanted = wanted.or_else(|| (round == 1 && seen.again()).then_some(More::Samples(2.0)));
             let go_on = !strayed && round < ROUNDS && !self.effort.quick && most >= GROWTH.0;
             let Some(more) = wanted.filter(|_| go_on) else {
-                let moved = self.moved(found.clone(), withheld.filter(|_| !strayed), model);
-                let share = time.min(PICTURES);
-                let drift = (drifts && share > LATE).then(|| self.drift(&sheet, model, &basis, &moved.values, share, seeds));
-                let moved = self.blurred(self.moved(moved, drift, model), &sheet, model, &basis);
-                let looked = Looked { aside: aside(&found, &moved), found: moved };
-                let passes = self.effort.quick || strayed && (self.another)();
-                if passes {
-                    return looked;
-                }
-                let Looked { found: last, aside } = self.averaged(looked, &sheet, model, &basis);
-                return Looked { found: if last.values == found.values { last } else { self.again(last, &sheet, model, &basis) }, aside };
+                let share = drifts.then_some(time.min(PICTURES)).filter(|share| *share > LATE);
+                return self.last(fit, &sheet, model, &seen.basis, share, seeds);
             };
             best.clone_from(&found.values);
             model.tune(&best, Some(&found.errors()));
-            let growth = |times: f64| (times - 1.0).max(GROWTH.0).min(most);
-            match more {
-                More::Pixels(times) => {
-                    let next = (count * (1.0 + growth(times))).floor().min(all);
-                    basis.append(model.trace_all(&pixels[count as usize..next as usize], each as u32, seed));
-                    count = next;
-                }
-                More::Samples(times) => {
-                    let mean = each * growth(times);
-                    each += mean;
-                    basis.join(&model.trace(sheet.numbers, &shared(mean, &influence, &basis.samples), seed));
-                }
-            }
+            seen.add(more, |times| (times - 1.0).max(GROWTH.0).min(most), &fit.influence, model);
         }
         unreachable!("a look has rounds")
     }
 
-    /// The pixels in the order in which they are looked at, and what of them comes first if those that tell most were foreseen.
-    fn order(&self, model: &dyn Model) -> (Vec<usize>, Option<First>) {
-        if self.effort.quick {
-            return (self.pixels.to_vec(), None);
+    /// What a look comes to that ends with a fit: moved by what was held back, by how far such a fit leads astray, if a `share` of the samples may be
+    /// taken to see that, and by all that values may be where the pixels hardly tell them.
+    fn last(&self, fit: Fit, sheet: &Sheet, model: &dyn Model, basis: &Basis, share: Option<f64>, seeds: &mut Seeds) -> Looked {
+        let Fit { found, withheld, .. } = fit;
+        let strayed = !model.holds(&found.values);
+        let moved = self.moved(found.clone(), withheld.filter(|_| !strayed), model);
+        let drift = share.map(|share| self.drift(sheet, model, basis, &moved.values, share, seeds));
+        let moved = self.blurred(self.moved(moved, drift, model), sheet, model, basis);
+        let looked = Looked { aside: aside(&found, &moved), found: moved };
+        if self.effort.quick || strayed && (self.another)() {
+            return looked;
         }
-        let width = self.evidence.film.width;
-        let pixels = scattered(self.pixels, width);
-        let (asked, others) = pixels.split_at(pixels.len().min(ASKED));
-        let first = model.first();
-        let foreseen = (asked.len() > first.pixels && !self.effort.late()).then(|| model.telling(asked, mix64(self.effort.seed)));
-        let Some(telling) = foreseen.flatten() else { return (pixels, None) };
-        let places: Vec<&[usize]> = asked.chunk_by(|a, b| first.squares && tile(*a, width, SQUARE) == tile(*b, width, SQUARE)).collect();
-        let mut telling = telling.into_iter();
-        let means: Vec<f64> = places.iter().map(|place| telling.by_ref().take(place.len()).sum::<f64>() / place.len() as f64).collect();
-        let mut falling: Vec<usize> = (0..places.len()).collect();
-        falling.sort_by(|a, b| means[*b].total_cmp(&means[*a]));
-        let (mut best, mut each) = (falling.into_iter(), 0..places.len());
-        let mut taken = vec![false; places.len()];
-        let next = |turn: usize| {
-            let untaken = |i: &usize| !taken[*i];
-            let i = if turn % (TELLING + 1) < TELLING { best.find(untaken) } else { each.find(untaken) }?;
-            taken[i] = true;
-            Some(places[i])
-        };
-        ((0..places.len()).filter_map(next).flatten().chain(others).copied().collect(), Some(first))
+        let Looked { found: last, aside } = self.averaged(looked, sheet, model, basis);
+        Looked { found: if last.values == found.values { last } else { self.again(last, sheet, model, basis) }, aside }
     }
 
     /// Takes the errors of a round for no smaller than a part of those taken before: few more samples make none so much surer but by chance, as where
@@ -391,37 +303,6 @@ fn worse(basis: &Basis) -> f64 {
 
 /// A step that is not worth another, in standard errors.
 const STEADY: f64 = 0.05;
-
-/// The part of the samples that all pixels share evenly: what few samples say of a pixel may be wrong.
-const EVEN: f64 = 0.3;
-
-/// The samples that come after those that the halves of pixels `have`, `mean` on the average, so that all are shared among pixels in proportion
-/// to how much their errors disturb (Neyman 1934).
-fn shared(mean: f64, influence: &[f64], have: &[f32]) -> Vec<Range<u32>> {
-    let level = influence.iter().sum::<f64>() / influence.len() as f64;
-    let share = |i: &f64| if level > 0.0 && level.is_finite() { EVEN + (1.0 - EVEN) * i / level } else { 1.0 };
-    let shares: Vec<f64> = influence.iter().flat_map(|i| [share(i); 2]).collect();
-    let add = |total: f64| shares.iter().zip(have).map(move |(share, have)| (total * share - *have as f64).clamp(0.0, MOST));
-    // The mean number of all samples that leaves so many to add.
-    let wanted = mean * have.len() as f64;
-    let (mut low, mut high) = (0.0, wanted + have.iter().map(|n| *n as f64).sum::<f64>());
-    for _ in 0..50 {
-        let middle = 0.5 * (low + high);
-        if add(middle).sum::<f64>() > wanted { high = middle } else { low = middle }
-    }
-    let next = |(have, more): (&f32, f64)| *have as u32..*have as u32 + more as u32;
-    have.iter().zip(add(low)).map(next).collect()
-}
-
-/// Pixels in an order in which each first part of them is spread over the picture, in squares that keep neighbours together.
-pub fn scattered(pixels: &[usize], width: usize) -> Vec<usize> {
-    let mut pixels = pixels.to_vec();
-    pixels.sort_by_key(|n| mix64(tile(*n, width, SQUARE) as u64));
-    pixels
-}
-
-/// The side of a square, in pixels.
-const SQUARE: usize = 4;
 
 /// χ² of the mean of both halves, pixel by pixel.
 struct Whole<'a> {

@@ -3,8 +3,9 @@
 use super::fit::{Point, Problem, Valley};
 use super::foresight::telling;
 use super::gram::Gram;
-use super::look::{First, Look, Model, scattered};
+use super::look::{Look, Model};
 use super::model::{Grid, Kind, alphas, coefficients, exposed, parts};
+use super::seen::{First, scattered};
 use super::sheet::Sheet;
 use super::{Effort, Evidence, Recovery, Seeds};
 use crate::anneal::{Annealer, Options};
