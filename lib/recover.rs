@@ -23,6 +23,7 @@ mod rough;
 pub mod saturated;
 mod scores;
 mod seen;
+mod settle;
 mod sharpness;
 mod sheet;
 pub mod types;

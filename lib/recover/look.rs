@@ -2,11 +2,11 @@
 
 use super::drift::{LATE, PICTURES};
 use super::enough::More;
-use super::fit::{Valley, derivatives};
 use super::misfit::misfit;
-use super::scores::{BOUNDINGS, Evaluation, STEPS, Scores, Way, influence, pictures, products, total};
+use super::scores::{Way, influence, pictures};
 use super::seen::First;
-use super::sheet::{Channels, Sheet, mean, weight};
+use super::settle::Settled;
+use super::sheet::Sheet;
 use super::{Effort, Evidence, Recovery, Seeds};
 use crate::anneal::Parameter;
 use crate::anneal::linear::Symmetric;
@@ -173,45 +173,7 @@ impl Look<'_> {
 
     /// The values that explain the picture best, near some.
     pub fn fit(&self, sheet: &Sheet, model: &dyn Model, basis: &Basis, near: &[f64]) -> Fit {
-        let halves = pictures(basis, &[model.coefficients(near)]).swap_remove(0);
-        let variances = sheet.variances(&halves, basis);
-        let weights = sheet.by_variance(&halves, &variances, &basis.samples);
-        // The bottom of the whole χ², which is safe to find though its place is biased by the noise of the rendering.
-        let whole = Whole { model, basis, target: &sheet.target, weights: &weights.halves, bounds: self.bounds };
-        let begin = whole.polish(near, &vec![true; near.len()]).values;
-        let at = |place, weights| Scores::new(sheet, weights, place, self.bounds);
-        let mut now = at(Evaluation::new(model, basis, &begin, self.bounds), weights);
-        let pulls = model.pulls();
-        // What is far too bright by chance must not lead astray; what pulls hard because the values are not there yet, may.
-        for _ in 0..BOUNDINGS {
-            let Some(lighter) = now.bounded(pulls[0]) else { break };
-            now = at(now.here, lighter);
-        }
-        // From there to where the scores vanish, which has no such bias.
-        let mut size = f64::INFINITY;
-        for _ in 0..STEPS {
-            let Some((next, taken)) = self.step(&now, model, basis).filter(|(_, taken)| *taken < size) else { break };
-            (now, size) = (at(next, now.weights), taken);
-            if taken < STEADY {
-                break;
-            }
-        }
-        // And on without what single pixels make of it, until that is the same, by shorter and shorter steps: where the scores hardly tell, it leads
-        // on and on.
-        size = f64::INFINITY;
-        for _ in 0..BOUNDINGS {
-            let Some(lighter) = now.bounded(pulls[1]) else { break };
-            now = at(now.here, lighter);
-            let Some((next, taken)) = self.step(&now, model, basis).filter(|(_, taken)| *taken < size) else { break };
-            (now, size) = (at(next, now.weights), taken);
-            if taken < STEADY {
-                break;
-            }
-        }
-        // Where few samples say little, all that may lead to a place that is far worse.
-        if now.excess(&halves) < -worse(basis) {
-            now = at(Evaluation::new(model, basis, near, self.bounds), now.weights);
-        }
+        let Settled { scores: mut now, variances } = self.settled(sheet, model, basis, near);
         let values = now.here.values.clone();
         let wished: Vec<f64> =
             self.parameters.iter().zip(&values).enumerate().map(|(i, (p, value))| self.effort.near(i, p, *value)).collect();
@@ -263,19 +225,6 @@ impl Look<'_> {
         found.covariance = Symmetric::of(way.len(), |i, j| found.covariance.at(i, j) + covariance.at(i, j));
         found
     }
-
-    /// Where the scores ask values to move, and how far that is in standard errors: as far as the model can be trusted, and half as far, and so on,
-    /// while pixels are surely farther off there. `None` if there is no saying.
-    fn step(&self, now: &Scores, model: &dyn Model, basis: &Basis) -> Option<(Evaluation, f64)> {
-        let (step, here) = (now.step()?, &now.here.values);
-        let part = |part: f64| {
-            let asked: Vec<f64> = here.iter().zip(&step).zip(self.bounds).map(|((v, s), b)| (v + part * s).clamp(b.0, b.1)).collect();
-            Evaluation::new(model, basis, &model.trusted(&asked), self.bounds)
-        };
-        let borne = (0..HALVINGS).map(|n| part(0.5f64.powi(n))).find(|place| now.excess(&place.halves) < worse(basis))?;
-        let taken = now.length(&borne);
-        Some((borne, taken))
-    }
 }
 
 /// How far what was found was moved since.
@@ -289,58 +238,3 @@ fn aside(found: &Recovery, moved: &Recovery) -> Way {
 
 /// The least part of its standard error that a round may leave of the one before.
 const SURER: f64 = 0.125;
-
-/// By how many standard errors pixels may be farther off after a step, of few pixels in terms of the most that they can be, which is the root of
-/// their number; and how often a step is halved for that.
-const WORSE: f64 = 5.0;
-const MOST_EXCESS: f64 = 0.3;
-const HALVINGS: i32 = 6;
-
-/// By how many standard errors the pixels of a basis are surely farther off.
-fn worse(basis: &Basis) -> f64 {
-    WORSE.min(MOST_EXCESS * (basis.samples.len() as f64 / basis.sets as f64).sqrt())
-}
-
-/// A step that is not worth another, in standard errors.
-const STEADY: f64 = 0.05;
-
-/// χ² of the mean of both halves, pixel by pixel.
-struct Whole<'a> {
-    model: &'a dyn Model,
-    basis: &'a Basis,
-    target: &'a Channels,
-    weights: &'a [Channels; 2],
-    bounds: &'a [(f64, f64)],
-}
-
-impl Valley for Whole<'_> {
-    fn bounds(&self) -> &[(f64, f64)] {
-        self.bounds
-    }
-
-    fn enough(&self) -> f64 {
-        1e-6
-    }
-
-    fn chi2(&self, values: &[f64]) -> f64 {
-        let halves = pictures(self.basis, &[self.model.coefficients(values)]).swap_remove(0);
-        let rest = |p: usize, c: usize| self.target[p][c] as f64 - mean(&halves, p, c);
-        total(self.target.len(), 1, |p, sum| sum[0] += (0..3).map(|c| weight(self.weights, p, c) * rest(p, c).powi(2)).sum::<f64>())[0]
-    }
-
-    fn normal_equations(&self, values: &[f64]) -> (Vec<f64>, Symmetric) {
-        let Evaluation { halves, derivatives, .. } = Evaluation::new(self.model, self.basis, values, self.bounds);
-        products(self.weights, &derivatives, |p, c| mean(&halves, p, c) - self.target[p][c] as f64)
-    }
-}
-
-impl Evaluation {
-    /// What a model says at values inside bounds.
-    pub fn new(model: &dyn Model, basis: &Basis, values: &[f64], bounds: &[(f64, f64)]) -> Self {
-        let coefficients = |v: &[f64]| model.coefficients(v);
-        let mut all = derivatives(&coefficients, bounds, values);
-        all.push(model.coefficients(values));
-        let mut derivatives = pictures(basis, &all);
-        Self { values: values.to_vec(), halves: derivatives.swap_remove(derivatives.len() - 1), derivatives }
-    }
-}

@@ -158,11 +158,22 @@ impl<'a> Scores<'a> {
     }
 
     /// Weights under which no pixel by itself moves the values too far; `None` if none does. One that sees a lamp by the way in a few samples would
-    /// outweigh thousands (bounded influence: Krasker and Welsch 1982).
+    /// outweigh thousands (bounded influence: Krasker and Welsch 1982). Where few pixels tell a value, as those of a small highlight do, each may move
+    /// it by more.
     pub fn bounded(&self, most: f64) -> Option<Weights> {
         let (inverse, errors) = (self.inverse.as_ref()?, self.covariance.deviations());
-        let most = most.max(FEW / (self.pixels() as f64).sqrt());
-        let pulls: Vec<f64> = (0..self.pixels()).into_par_iter().map(|p| length(&self.pull(inverse, p), &errors) / most).collect();
+        let n = errors.len();
+        let told = total(self.pixels(), 2 * n, |p, sums| {
+            let (squares, fourths) = sums.split_at_mut(n);
+            for (i, told) in self.tells(inverse, p).into_iter().enumerate() {
+                squares[i] += told;
+                fourths[i] += told * told;
+            }
+        });
+        // As many pixels that tell it alike would have the same sums.
+        let tell = |i: usize| (told[i] * told[i] / told[n + i].max(f64::MIN_POSITIVE)).max(1.0);
+        let most: Vec<f64> = errors.iter().enumerate().map(|(i, error)| error * most.max(FEW / tell(i).sqrt())).collect();
+        let pulls: Vec<f64> = (0..self.pixels()).into_par_iter().map(|p| length(&self.pull(inverse, p), &most)).collect();
         let part = |pull: &f64| if *pull > SLACK { 1.0 / *pull as f32 } else { 1.0 };
         let lighter = |half: &Channels| half.iter().zip(&pulls).map(|(w, pull)| w.map(|w| w * part(pull))).collect();
         let kept = self.weights.kept.iter().zip(&pulls).map(|(kept, pull)| kept * part(pull)).collect();
@@ -295,7 +306,7 @@ pub fn influence(scores: &Scores, variances: &[Vec<[f64; 3]>; 2], wished: &[f64]
     scores.sheet.around(&own, 1).iter().map(|around| around[0]).collect()
 }
 
-/// Where there are few pixels, one may move a value by so many times its fair share, which is 1/√pixels of a standard error.
+/// Where few pixels tell a value, one may move it by so many times its fair share, which is 1/√pixels of a standard error.
 const FEW: f64 = 4.0;
 /// How nearly that is kept, in at most so many turns: what is taken from one pixel makes the standard errors smaller.
 const SLACK: f64 = 1.1;
@@ -337,7 +348,7 @@ fn in_standard_errors(differences: impl Iterator<Item = f64>) -> f64 {
     sum / f64::sqrt(squares).max(f64::MIN_POSITIVE)
 }
 
-/// The largest part of a step, in standard errors.
+/// The largest part of a step, in terms of what each value may err by.
 fn length(step: &[f64], errors: &[f64]) -> f64 {
     step.iter().zip(errors).map(|(s, e)| s.abs() / e.max(1e-12)).fold(0.0, f64::max)
 }

@@ -111,6 +111,16 @@ impl Scores<'_> {
         all
     }
 
+    /// How much a pixel tells of each value: the square of what its noise does to it, if that is what the weights say.
+    pub(super) fn tells(&self, inverse: &[Vec<f64>], p: usize) -> Vec<f64> {
+        let mut squares = vec![0.0; inverse.len()];
+        for c in 0..3 {
+            let moved = self.pulled(inverse, p, c, weight(&self.weights.halves, p, c).sqrt());
+            squares.iter_mut().zip(moved).for_each(|(square, moved)| *square += moved * moved);
+        }
+        squares
+    }
+
     /// What an error of that weight in a channel of a pixel does to the values.
     fn pulled(&self, inverse: &[Vec<f64>], p: usize, c: usize, error: f64) -> Vec<f64> {
         times(inverse, &(0..self.prior.len()).map(|j| self.instrument(j, p, c) * error).collect::<Vec<_>>())
