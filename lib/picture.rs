@@ -137,6 +137,11 @@ impl Header {
     }
 }
 
+/// How messages tell where a pixel of a picture of this width lies.
+pub fn place(number: usize, width: usize) -> String {
+    format!("column {} and row {} (from the upper left, from 0)", number % width, number / width)
+}
+
 impl Picture {
     /// A black picture. Errors if it would have no pixel or more than [`MAX_PIXELS`].
     pub fn new(width: usize, height: usize, header: Header) -> Result<Self> {
@@ -151,8 +156,7 @@ impl Picture {
     pub fn infinite(&self, numbers: impl Iterator<Item = usize>) -> Option<String> {
         let mut bad = numbers.filter(|&n| self.pixels[n].iter().any(|v| !v.is_finite()));
         let first = bad.next()?;
-        let (x, y, more) = (first % self.width, first / self.width, bad.count());
-        Some(format!("pixel in column {x} and row {y} (from the upper left, from 0) and {more} others are not finite"))
+        Some(format!("pixel in {} and {} others are not finite", place(first, self.width), bad.count()))
     }
 
     /// Reads a RADIANCE picture or an OpenEXR file, told apart by their content. `name` is for messages.

@@ -269,7 +269,7 @@ fn supported(unknown: &Unknown) -> Result<()> {
     if material.kind == "dielectric" && unknown.slots()[4].is_some() {
         return Err(material.error("a picture does not tell Hartmann's constant from the index; give it, and --fix hartmann"));
     }
-    if Kind::named(&material.kind).is_some() || ["dielectric", "glass"].contains(&material.kind.as_str()) {
+    if Kind::named(&material.kind).is_some() || clear::KINDS.contains(&material.kind.as_str()) {
         return Ok(());
     }
     Err(material.error(format!(
@@ -308,9 +308,11 @@ pub fn recover(evidence: &Evidence, unknown: &Unknown, material: MaterialId, eff
 /// Samples of a pixel that is rendered anew.
 const SAMPLES: u32 = 32;
 
-/// So many pixels are searched at a time for the unknown, in tiles of this side, until it is seen in so many: rounds end before they see half of those.
+/// About so many pixels are searched at a time for the unknown.
 const LARGE: usize = 1 << 20;
+/// The side of the tiles that they come in.
 const TILE: usize = 8;
+/// Once it is seen in so many, no more are searched: rounds end before they see half of those.
 const ENOUGH: usize = 40_000;
 
 /// The number of the square, of so many pixels a side, that a pixel is in; rising from row to row of squares.

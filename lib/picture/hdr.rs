@@ -121,10 +121,8 @@ pub fn write(picture: &Picture) -> Result<Vec<u8>> {
     for (y, row) in picture.pixels.chunks_exact(picture.width).enumerate() {
         for (x, (&color, pixel)) in row.iter().zip(&mut line).enumerate() {
             *pixel = encode(color).ok_or_else(|| {
-                let [r, g, b] = color;
-                Error::new(format!(
-                    "the pixel in column {x} and row {y} (from the upper left, from 0) is {r} {g} {b}, which a RADIANCE picture cannot hold"
-                ))
+                let ([r, g, b], place) = (color, super::place(y * picture.width + x, picture.width));
+                Error::new(format!("the pixel in {place} is {r} {g} {b}, which a RADIANCE picture cannot hold"))
             })?;
         }
         write_line(&mut out, &line);

@@ -1,5 +1,6 @@
 //! The answer: the file with the values that were found, after what is to be said of them.
 
+use super::clear;
 use super::doubts::{Judgement, Known, Standing, at_bound, decimals, digits, judge, list, lusterless};
 use crate::anneal::Parameter;
 use crate::anneal::linear::Symmetric;
@@ -31,8 +32,7 @@ impl<'a> Answer<'a> {
             if let Some((side, bound)) = at_bound(p, *value, judgement.as_ref().map(|j| j.errors[i])) {
                 *value = bound;
                 // No number of a material is less than nothing, and nothing lets more light through than there is.
-                let all =
-                    bound == 1.0 && COLORS.1.contains(&&p.name[..]) && ["dielectric", "glass"].contains(&unknown.material().kind.as_str());
+                let all = bound == 1.0 && COLORS.1.contains(&&p.name[..]) && clear::KINDS.contains(&unknown.material().kind.as_str());
                 let any = dull && ROUGHNESSES.contains(&&p.name[..]);
                 if bound != 0.0 && !all && !any {
                     let beyond = "if it may lie beyond, give --param";

@@ -22,6 +22,9 @@ use rayon::prelude::*;
 use std::ops::Range;
 use std::time::Instant;
 
+/// The types of material that are recovered so.
+pub const KINDS: [&str; 2] = ["dielectric", "glass"];
+
 /// The smallest index that is looked at: less bends light no further.
 const LEAST_INDEX: f64 = 0.2;
 /// The least that roulette takes a transmissivity for.

@@ -1,6 +1,7 @@
 //! Where a picture seems to show the most that a camera can tell instead of the light there was.
 
 use super::Evidence;
+use crate::picture::place;
 use crate::render::Pixel;
 use crate::world::World;
 use std::collections::BTreeSet;
@@ -58,11 +59,11 @@ pub fn confirmed(evidence: &Evidence, world: &World, saturated: &[Saturated], ex
     let brighter: Vec<usize> = saturated.iter().zip(&rendering.pixels).filter_map(brighter).collect();
     let surely = 2 * brighter.len() > numbers.len();
     brighter.first().filter(|_| surely).map(|n| {
-        let (row, column) = (n / evidence.film.width, n % evidence.film.width);
         format!(
-            "{} pixels, as that in column {column} and row {row} (from the upper left, from 0), have the largest value of their channel, and should be \
-             brighter, as where a camera is saturated: they and those beside them are left out",
+            "{} pixels, as that in {}, have the largest value of their channel, and should be brighter, as where a camera is saturated: they and \
+             those beside them are left out",
             brighter.len(),
+            place(*n, evidence.film.width),
         )
     })
 }
