@@ -90,7 +90,7 @@ impl Seen {
                 let mean = self.each * growth(times);
                 self.each += mean;
                 let samples = shared(mean, influence, &self.basis.samples);
-                self.basis.join(&model.trace(&self.pixels[..self.count as usize], &samples, self.seed));
+                self.basis.join(&model.trace(self.pixels(), &samples, self.seed));
             }
         }
     }
