@@ -26,6 +26,7 @@ mod seen;
 mod settle;
 mod sharpness;
 mod sheet;
+mod total;
 pub mod types;
 
 use crate::anneal::linear::Symmetric;

@@ -3,6 +3,7 @@
 mod covariance;
 
 use super::sheet::{Channels, Half, Sheet, Weights, mean, weight};
+use super::total::total;
 use crate::anneal::anywhere;
 use crate::anneal::linear::Symmetric;
 use crate::transport::{Basis, Mixture};
@@ -364,22 +365,6 @@ fn add_square(sum: &mut [f64], x: &[f64]) {
         (0..=i).for_each(|j| sum[i * x.len() + j] += x[i] * x[j]);
     }
 }
-
-/// `width` sums over `count` pixels, to which `part` adds those of one. Fixed pieces, summed in order: the same bytes for any number of threads.
-pub fn total(count: usize, width: usize, part: impl Fn(usize, &mut [f64]) + Sync) -> Vec<f64> {
-    let piece = |piece: usize| {
-        let mut sums = vec![0.0; width];
-        (piece * PIECE..((piece + 1) * PIECE).min(count)).for_each(|p| part(p, &mut sums));
-        sums
-    };
-    let pieces: Vec<Vec<f64>> = (0..count.div_ceil(PIECE)).into_par_iter().with_max_len(1).map(piece).collect();
-    let mut sums = vec![0.0; width];
-    pieces.iter().for_each(|piece| sums.iter_mut().zip(piece).for_each(|(sum, piece)| *sum += piece));
-    sums
-}
-
-/// Pixels that are summed at a time.
-const PIECE: usize = 512;
 
 /// Which part of the way to where the scores vanish a step comes, value by value: what disturbs the scores disturbs the step by that part only.
 fn reached(inverse: &[Vec<f64>], slopes: &[Vec<f64>]) -> Vec<f64> {

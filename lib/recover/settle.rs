@@ -2,8 +2,9 @@
 
 use super::fit::{Valley, derivatives};
 use super::look::{Look, Model};
-use super::scores::{BOUNDINGS, Evaluation, STEPS, Scores, pictures, products, total};
+use super::scores::{BOUNDINGS, Evaluation, STEPS, Scores, pictures, products};
 use super::sheet::{Channels, Half, Sheet, mean, weight};
+use super::total::total;
 use crate::anneal::linear::Symmetric;
 use crate::transport::Basis;
 
@@ -32,27 +33,26 @@ impl Look<'_> {
             let Some(lighter) = now.bounded(pulls[0]) else { break };
             now = at(now.here, lighter);
         }
+        // By steps that get shorter and shorter, each without what single pixels make of it if there is a `pull`.
+        let stepped = |mut now: Scores<'s>, most: usize, pull: Option<f64>| {
+            let mut size = f64::INFINITY;
+            for _ in 0..most {
+                if let Some(pull) = pull {
+                    let Some(lighter) = now.bounded(pull) else { break };
+                    now = at(now.here, lighter);
+                }
+                let Some((next, taken)) = self.step(&now, model, basis).filter(|(_, taken)| *taken < size) else { break };
+                (now, size) = (at(next, now.weights), taken);
+                if taken < STEADY {
+                    break;
+                }
+            }
+            now
+        };
         // From there to where the scores vanish, which has no such bias.
-        let mut size = f64::INFINITY;
-        for _ in 0..STEPS {
-            let Some((next, taken)) = self.step(&now, model, basis).filter(|(_, taken)| *taken < size) else { break };
-            (now, size) = (at(next, now.weights), taken);
-            if taken < STEADY {
-                break;
-            }
-        }
-        // And on without what single pixels make of it, until that is the same, by shorter and shorter steps: where the scores hardly tell, it leads
-        // on and on.
-        size = f64::INFINITY;
-        for _ in 0..BOUNDINGS {
-            let Some(lighter) = now.bounded(pulls[1]) else { break };
-            now = at(now.here, lighter);
-            let Some((next, taken)) = self.step(&now, model, basis).filter(|(_, taken)| *taken < size) else { break };
-            (now, size) = (at(next, now.weights), taken);
-            if taken < STEADY {
-                break;
-            }
-        }
+        now = stepped(now, STEPS, None);
+        // And on without what single pixels make of it, until that is the same: where the scores hardly tell, it leads on and on.
+        now = stepped(now, BOUNDINGS, Some(pulls[1]));
         // Where few samples say little, all that may lead to a place that is far worse.
         if now.excess(&halves) < -worse(basis) {
             now = at(Evaluation::new(model, basis, near, self.bounds), now.weights);
