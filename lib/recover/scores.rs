@@ -185,17 +185,27 @@ impl<'a> Scores<'a> {
         })
     }
 
-    /// Where the pixels that are held back would move the values, and how sure that is; `None` where it is chance. Where it may be, nowhere, but the
-    /// values may be as far off.
+    /// Where the pixels that are held back would move the values, and how sure that is; `None` where it is chance.
     ///
     /// Noise that is as often too bright as too dark leaves nothing there. But a photograph whose few samples seldom find a small lamp is too dark
-    /// in most pixels, and far too bright in some: these lead astray on the way, and are a part of the mean in the end. What only one half is off
-    /// by is noise of the rendering, and more samples will mend it.
+    /// in most pixels, and far too bright in some: these lead astray on the way, and are a part of the mean in the end. So it is with a rendering
+    /// whose few samples do: that leads to the other side, and is seen in the pixels that only one half finds off.
     pub fn withheld(&self) -> Option<Way> {
-        let (inverse, n) = (self.inverse.as_ref()?, self.prior.len());
+        let inverse = self.inverse.as_ref()?;
+        let ways = [true, false].into_iter().filter_map(|agreed| self.withheld_where(inverse, agreed));
+        ways.reduce(|(a, b), (c, d)| {
+            let covariance = Symmetric::of(a.len(), |i, j| b.at(i, j) + d.at(i, j));
+            (a.iter().zip(&c).map(|(a, c)| a + c).collect(), covariance)
+        })
+    }
+
+    /// The same of the pixels that both halves find off alike, or of the others. Where it may be chance, it moves nowhere, but the values may be as
+    /// far off.
+    fn withheld_where(&self, inverse: &[Vec<f64>], agreed: bool) -> Option<Way> {
+        let n = inverse.len();
         let sums = total(self.pixels(), n + n * n, |p, sums| {
             let more = 1.0 / self.weights.kept[p] as f64 - 1.0;
-            if more > 0.0 && self.agreed(p) {
+            if more > 0.0 && self.agreed(p) == agreed {
                 let (moved, squares) = sums.split_at_mut(n);
                 let pull: Vec<f64> = self.pull(inverse, p).iter().map(|pull| pull * more).collect();
                 moved.iter_mut().zip(&pull).for_each(|(sum, pull)| *sum += pull);
