@@ -1,6 +1,6 @@
 //! A photograph, the scene it was taken in, and what is unknown there, from what was typed.
 
-use super::remarks::{elsewhere, remarks};
+use super::remarks::{elsewhere, near_lamps, remarks};
 use super::search::Objective;
 use super::stream::Input;
 use super::{Console, Disk, Outcome, scene};
@@ -125,6 +125,7 @@ impl<'a> Photo<'a> {
             return Err(Error::new(format!("the scene has no light, so that every rendering is black: {remedy}")).into());
         }
         let world = surveyed(scene, &rules, material, &film)?;
+        near_lamps(&target, &film, &world, material, &rules).iter().for_each(|remark| console.warn(remark));
         Ok(Self {
             digest: disk.digest(),
             unknown: unknown.clone(),

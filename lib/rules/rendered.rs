@@ -84,6 +84,25 @@ pub fn bounces<'a>(lines: impl IntoIterator<Item = &'a str>, rules: &Rules) -> O
     (here != there).then(|| format!("the target was rendered by {program} with {said}, and here light bounces otherwise: {remedy}"))
 }
 
+/// How large a lamp may be, in terms of its distance, to be much like a point.
+const LARGE: f64 = 0.25;
+
+/// What is to be said if lamps are not taken for points by these rules, as they were where RADIANCE made a picture with this header. `flat` and `round`
+/// are how large those are, in terms of their distance, that it divides where it is asked to, and those that it does not divide well.
+pub fn lamps<'a>(lines: impl IntoIterator<Item = &'a str>, rules: &Rules, [flat, round]: [f64; 2]) -> Option<String> {
+    let command = Command::last(lines, &["rpict", "rtrace"])?;
+    let division = if command.program() == "rpict" { 0.25 } else { 0.2 };
+    let [dj, ds] = [("-dj", 0.0), ("-ds", division)].map(|(name, default)| command.given(name).unwrap_or(default));
+    let large = if ds > 0.0 { round.max(flat.min(ds)) } else { round.max(flat) };
+    (rules.light_jitter.is_none() && large > LARGE).then(|| {
+        format!(
+            "the target was rendered by {}, which takes lamps for points, and one is {large:.1} times as large as it is far from what is unknown; \
+             here they are integrated over all their extent: give -dj {dj} -ds {ds} for its picture of them",
+            command.program()
+        )
+    })
+}
+
 /// The width, height and aspect of pixels that the last rpict in the lines of a header was asked for, and by how many times `pfilt -x /N` made the
 /// picture smaller since; `None` if it did not.
 pub fn reduced<'a>(lines: impl IntoIterator<Item = &'a str>) -> Option<([f64; 3], usize)> {
@@ -125,6 +144,22 @@ mod tests {
         assert_eq!(reduced(lines), Some(([400.0, 320.0, 1.0], 4)));
         assert_eq!(reduced(lines[..3].iter().copied()), None);
         assert_eq!(reduced(["pfilt -x /2"]), None);
+    }
+
+    #[test]
+    fn lamps_that_are_no_points_are_told() {
+        let said = |line: &str, jitter: Option<f64>, large| {
+            lamps([line], &Rules { light_jitter: jitter, ..Rules::default() }, large).unwrap_or_default()
+        };
+        for (line, large, remedy) in
+            [("rpict -dj .9 a.oct", [0.1, 0.5], "-dj 0.9 -ds 0.25"), ("rtrace -ds 0 a.oct", [0.5, 0.1], "-dj 0 -ds 0")]
+        {
+            assert!(said(line, None, large).ends_with(&format!("give {remedy} for its picture of them")));
+            assert_eq!(said(line, Some(0.0), large), "");
+        }
+        for (line, large) in [("rpict a.oct", [0.1, 0.1]), ("rpict a.oct", [0.5, 0.1]), ("rtrace-rs a.rad", [0.5, 0.5])] {
+            assert_eq!(said(line, None, large), "");
+        }
     }
 
     #[test]
