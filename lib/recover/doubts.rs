@@ -52,6 +52,8 @@ const UNDETERMINED: f64 = 0.3;
 const TOGETHER: f64 = 0.9;
 /// Off by so much of its light, a picture is not explained at all.
 const ASTRAY: f64 = 0.1;
+/// And by so much, it is of something else, and tells nothing.
+const ELSEWHERE: f64 = 1.0;
 /// A picture that a filter of a smaller radius would make, in pixels, is as if each pixel were looked at in its middle.
 const CENTRED: f64 = 0.05;
 /// Beyond this part of what bounds alone would say, they alone say it.
@@ -66,7 +68,7 @@ pub fn judge(unknown: &Unknown, values: &[f64], known: &Known) -> Judgement {
     let seen = &known.covariance;
     let dull = lusterless(unknown, values, seen);
     let dull = |i: usize| dull && ROUGHNESSES.contains(&parameters[i].name.as_str());
-    let unseen = |i: usize| !seen.at(i, i).is_finite() || dull(i);
+    let unseen = |i: usize| !seen.at(i, i).is_finite() || dull(i) || known.misfit >= ELSEWHERE;
     let scaled = |m: &Symmetric, i: usize, j: usize| {
         let one = f64::from(i == j);
         if unseen(i) || unseen(j) { one } else { Some(m.at(i, j) / (units[i] * units[j])).filter(|x| x.is_finite()).unwrap_or(one) }
@@ -132,8 +134,8 @@ pub fn judge(unknown: &Unknown, values: &[f64], known: &Known) -> Judgement {
         doubts.insert(
             0,
             format!(
-                "whole areas of the picture are {} % brighter or darker than any noise explains: the light, {exposure}the shape, the type or a bound may not be those of the photograph{harm}{lost}",
-                percent(off)
+                "whole areas of the picture are {} brighter or darker than any noise explains: the light, {exposure}the shape, the type or a bound may not be those of the photograph{harm}{lost}",
+                if off < ELSEWHERE { format!("{} %", percent(off)) } else { format!("{off:.0} times") }
             ),
         );
     }
@@ -319,6 +321,11 @@ mod tests {
             "{doubt}"
         );
         assert!((found.errors[4] - 0.4 * 0.001f64.hypot(0.02)).abs() < 1e-9, "{:?}", found.errors);
+        // That of another unit of light has values that fit it best too.
+        let found = plastic([0.001; 5], [0.0; 5], (0, 1, 0.0), 179.0);
+        assert!(found.standings.iter().all(|standing| *standing == Standing::Open), "{:?}", found.standings);
+        assert!(found.doubts[0].starts_with("whole areas of the picture are 179 times brighter or darker"), "{}", found.doubts[0]);
+        assert!(found.doubts[0].ends_with("; red, green, blue, spec and rough cannot be told by it"), "{}", found.doubts[0]);
     }
 
     #[test]
