@@ -53,7 +53,7 @@ fn every_type_has_the_albedo_that_radiance_gives_it() {
         let angles = case["angles"].as_array().unwrap().iter().map(|a| a.as_f64().unwrap());
         let rays: String = angles.map(|a| ray(0.0, 0.0, a)).collect();
         let scene = format!("{ENVIRONMENT}{material}\nm ring r 0 0 8 0 0 0 0 0 1 0 .5\n");
-        let found = answers(&scene, &["--error", "5e-4", "--fresnel-offset", ".00202943064"], &rays);
+        let found = answers(&scene, &["--error", "2e-4", "--fresnel-offset", ".00202943064"], &rays);
         for (row, wanted) in found.iter().zip(case["albedo"].as_array().unwrap()) {
             for (f, w) in row.iter().zip(wanted.as_array().unwrap().iter().map(|w| w.as_f64().unwrap())) {
                 if (f - w).abs() > 0.003 * w {

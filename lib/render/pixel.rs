@@ -73,7 +73,7 @@ impl Pixel {
     /// Takes samples until the pixel by itself is what the budget asks for. `pixel` is its number; `sample` gives the light of one sample.
     /// All [`GROUPS`] are scrambled independently here: nothing else tells the error.
     pub fn converged(budget: Budget, seed: u64, pixel: u64, mut sample: impl FnMut(Sampler) -> (Rgb, Outcome)) -> Self {
-        let start = Instant::now();
+        let start = matches!(budget, Budget::Time(_)).then(Instant::now);
         // All samples, and those that count: of each sequence, until the other one says that it is enough. One that decided for itself would end where
         // it is too bright by chance.
         let (mut seen, mut counted) = (Self::default(), Self::default());
@@ -91,7 +91,7 @@ impl Pixel {
             let taken = seen.samples();
             match budget {
                 Budget::Samples(samples) => open = [taken < samples; SETS],
-                Budget::Time(time) => open = [start.elapsed() < time; SETS],
+                Budget::Time(time) => open = [start.is_some_and(|start| start.elapsed() < time); SETS],
                 Budget::Error(error) if is_rung(taken) => {
                     (0..SETS).for_each(|set| open[set] &= taken < MOST && !seen.is_near((set + 1) % SETS, error));
                 }
