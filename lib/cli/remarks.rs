@@ -40,13 +40,16 @@ pub fn remarks(name: &str, target: &Picture, film: &Film, unknown: &Unknown, typ
 
 /// Of lamps near something unknown, in a picture on a film.
 pub fn near_lamps(target: &Picture, film: &Film, world: &World, unknown: MaterialId, rules: &Rules) -> Option<String> {
-    let points: Vec<Vec3> = film.some_rays().filter_map(|ray| Some(world.behind(&ray, unknown)?.origin)).collect();
-    let mut large = [0.0f64; 2];
-    for lamp in world.lamps().iter().filter(|lamp| matches!(lamp.form, Form::Shape(_))) {
-        let large = &mut large[!matches!(lamp.extent.facing, Facing::Front(_)) as usize];
-        let near = points.iter().map(|point| lamp.extent.center.distance(*point)).fold(f64::INFINITY, f64::min);
-        *large = large.max(lamp.extent.size.sqrt() / near);
-    }
+    let large = || {
+        let points: Vec<Vec3> = film.some_rays().filter_map(|ray| Some(world.behind(&ray, unknown)?.origin)).collect();
+        let mut large = [0.0f64; 2];
+        for lamp in world.lamps().iter().filter(|lamp| matches!(lamp.form, Form::Shape(_))) {
+            let large = &mut large[!matches!(lamp.extent.facing, Facing::Front(_)) as usize];
+            let near = points.iter().map(|point| lamp.extent.center.distance(*point)).fold(f64::INFINITY, f64::min);
+            *large = large.max(lamp.extent.size.sqrt() / near);
+        }
+        large
+    };
     lamps(target.header.lines.iter().map(String::as_str), rules, large)
 }
 

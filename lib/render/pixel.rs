@@ -74,16 +74,16 @@ impl Pixel {
     /// All [`GROUPS`] are scrambled independently here: nothing else tells the error.
     pub fn converged(budget: Budget, seed: u64, pixel: u64, mut sample: impl FnMut(Sampler) -> (Rgb, Outcome)) -> Self {
         let start = matches!(budget, Budget::Time(_)).then(Instant::now);
-        // All samples, and those that count: of each sequence, until the other one says that it is enough. One that decided for itself would end where
-        // it is too bright by chance.
-        let (mut seen, mut counted) = (Self::default(), Self::default());
+        // All samples, and those that count once they are others: of each sequence, until the other one says that it is enough. One that decided for
+        // itself would end where it is too bright by chance.
+        let (mut seen, mut counted) = (Self::default(), None::<Self>);
         let mut open = [true; SETS];
         let mut exact = false;
         while !exact && open.contains(&true) {
             let place = seen.samples() as usize;
             let set = place % SETS;
             let (light, outcome) = sample(Sampler::new(seed, pixel, (place % GROUPS) as u32, (place / GROUPS) as u32));
-            for pixel in [Some(&mut seen), open[set].then_some(&mut counted)].into_iter().flatten() {
+            for pixel in [Some(&mut seen), counted.as_mut().filter(|_| open[set])].into_iter().flatten() {
                 pixel.add(set, light);
                 pixel.surface |= outcome.surface;
             }
@@ -94,12 +94,14 @@ impl Pixel {
                 Budget::Time(time) => open = [start.is_some_and(|start| start.elapsed() < time); SETS],
                 Budget::Error(error) if is_rung(taken) => {
                     (0..SETS).for_each(|set| open[set] &= taken < MOST && !seen.is_near((set + 1) % SETS, error));
+                    if open.contains(&false) && counted.is_none() {
+                        counted = Some(seen.clone());
+                    }
                 }
                 Budget::Error(_) => {}
             }
         }
-        counted.exact = exact;
-        counted
+        Self { exact, ..counted.unwrap_or(seen) }
     }
 
     /// Whether a sequence by itself says that a whole of as many samples of each is within a relative error.

@@ -87,14 +87,15 @@ pub fn bounces<'a>(lines: impl IntoIterator<Item = &'a str>, rules: &Rules) -> O
 /// How large a lamp may be, in terms of its distance, to be much like a point.
 const LARGE: f64 = 0.25;
 
-/// What is to be said if lamps are not taken for points by these rules, as they were where RADIANCE made a picture with this header. `flat` and `round`
-/// are how large those are, in terms of their distance, that it divides where it is asked to, and those that it does not divide well.
-pub fn lamps<'a>(lines: impl IntoIterator<Item = &'a str>, rules: &Rules, [flat, round]: [f64; 2]) -> Option<String> {
-    let command = Command::last(lines, &["rpict", "rtrace"])?;
+/// What is to be said if lamps are not taken for points by these rules, as they were where RADIANCE made a picture with this header. `large` says
+/// how large those are, in terms of their distance, that it divides where it is asked to, and those that it does not divide well.
+pub fn lamps<'a>(lines: impl IntoIterator<Item = &'a str>, rules: &Rules, large: impl FnOnce() -> [f64; 2]) -> Option<String> {
+    let command = Command::last(lines, &["rpict", "rtrace"]).filter(|_| rules.light_jitter.is_none())?;
+    let [flat, round] = large();
     let division = if command.program() == "rpict" { 0.25 } else { 0.2 };
     let [dj, ds] = [("-dj", 0.0), ("-ds", division)].map(|(name, default)| command.given(name).unwrap_or(default));
     let large = if ds > 0.0 { round.max(flat.min(ds)) } else { round.max(flat) };
-    (rules.light_jitter.is_none() && large > LARGE).then(|| {
+    (large > LARGE).then(|| {
         format!(
             "the target was rendered by {}, which takes lamps for points, and one is {large:.1} times as large as it is far from what is unknown; \
              here they are integrated over all their extent: give -dj {dj} -ds {ds} for its picture of them",
@@ -149,7 +150,7 @@ mod tests {
     #[test]
     fn lamps_that_are_no_points_are_told() {
         let said = |line: &str, jitter: Option<f64>, large| {
-            lamps([line], &Rules { light_jitter: jitter, ..Rules::default() }, large).unwrap_or_default()
+            lamps([line], &Rules { light_jitter: jitter, ..Rules::default() }, || large).unwrap_or_default()
         };
         for (line, large, remedy) in
             [("rpict -dj .9 a.oct", [0.1, 0.5], "-dj 0.9 -ds 0.25"), ("rtrace -ds 0 a.oct", [0.5, 0.1], "-dj 0 -ds 0")]
