@@ -6,13 +6,15 @@
 
 mod clear;
 mod lobes;
+mod monomials;
 mod rough;
 #[cfg(test)]
 mod tests;
 
 pub use clear::{Clear, depth};
 pub use lobes::Alpha;
-pub use rough::{MOST_NODES, Monomials, ORDER, POLISHED_ORDER, Rough};
+pub use monomials::{Monomials, POLISHED_ORDER};
+pub use rough::{MOST_NODES, Rough};
 
 use crate::color::Rgb;
 use crate::geometry::Ray;

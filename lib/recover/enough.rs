@@ -10,7 +10,7 @@ use crate::unknown::ROUGHNESSES;
 /// The standard error that satisfies when nothing is said: of a colour or a share, of an index of refraction, and of a roughness in terms
 /// of itself, down to the last: what the paper reached.
 const NEAR: f64 = 0.0018;
-const NEAR_INDEX: f64 = 0.0003;
+const NEAR_INDEX: f64 = 0.0004;
 const NEAR_ROUGHNESS: f64 = 0.016;
 const NEAREST_ROUGHNESS: f64 = 0.0002;
 

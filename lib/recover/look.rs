@@ -52,8 +52,8 @@ pub trait Model: Sync {
     /// noise, which the bottom of χ² takes for signal; derivatives are noise too, and noise is multiplied with noise.
     fn least(&self) -> f64;
 
-    /// Whether values lie well inside of where it can be: if not, they had better be looked at by a model around them.
-    fn holds(&self, values: &[f64]) -> bool;
+    /// Whether what was found lies well inside of where it can be: if not, it had better be looked at by a model around it.
+    fn holds(&self, found: &Recovery) -> bool;
 }
 
 /// By how much a round adds to all samples before it, at the least and at the most: errors fall faster than samples grow while the derivatives
@@ -121,7 +121,7 @@ impl Look<'_> {
                     return Looked { aside: aside(found, &blurred), found: blurred };
                 }
             }
-            let strayed = !model.holds(&found.values);
+            let strayed = !model.holds(found);
             let budget = if self.effort.tolerance.is_none() { BUDGET / seen.each / seen.counts()[0] } else { f64::INFINITY };
             let time = seen.time_left((self.effort.until)());
             let drifts = fit.held && model.glints() && !strayed && !self.effort.quick;
@@ -146,7 +146,7 @@ impl Look<'_> {
     /// taken to see that, and by all that values may be where the pixels hardly tell them.
     fn last(&self, fit: Fit, sheet: &Sheet, model: &dyn Model, basis: &Basis, share: Option<f64>, seeds: &mut Seeds) -> Looked {
         let Fit { found, withheld, .. } = fit;
-        let strayed = !model.holds(&found.values);
+        let strayed = !model.holds(&found);
         let moved = self.moved(found.clone(), withheld.filter(|_| !strayed), model);
         let drift = share.map(|share| self.drift(sheet, model, basis, &moved.values, share, seeds));
         let moved = self.blurred(self.moved(moved, drift, model), sheet, model, basis);

@@ -59,6 +59,7 @@ pub type Grid = [Vec<f64>; 2];
 /// pairs, u slowest).
 pub fn coefficients(kind: Kind, monomials: &Monomials, grid: &Grid, a: &[f64]) -> [Vec<f64>; 3] {
     let mut parts = parts(kind, a);
+    let albedos: [f64; 3] = std::array::from_fn(|c| parts.iter().map(|part| part[c]).sum());
     let nodes = match kind.polished {
         true => std::mem::replace(&mut parts[2], [1.0; 3]).map(|reflectance| lagrange(&grid[0], reflectance, [grid[0].len(); 2])),
         false => {
@@ -69,7 +70,8 @@ pub fn coefficients(kind: Kind, monomials: &Monomials, grid: &Grid, a: &[f64]) -
     std::array::from_fn(|c| {
         let product = |m: usize| monomials.exponents[m].iter().zip(parts).map(|(&e, p)| p[c].powi(e as i32)).product::<f64>();
         let products: Vec<f64> = (0..monomials.exponents.len()).map(product).collect();
-        monomials.column().map(|(m, node)| products[m] * node.map_or(1.0, |n| nodes[c][n])).collect()
+        let told = monomials.column().map(|(m, node)| products[m] * node.map_or(1.0, |n| nodes[c][n]));
+        told.chain(monomials.beyond(albedos[c])).collect()
     })
 }
 

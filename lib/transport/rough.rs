@@ -5,6 +5,7 @@
 //! nodes, all evaluated on the same directions. Choices on a path never depend on what is unknown.
 
 use super::lobes::{Alpha, Drawn, Gaussians, Lobes};
+use super::monomials::Monomials;
 use super::{LANES, Nodes};
 use crate::bsdf::{Arriving, Bsdf, Delta, Part, Point, lobe};
 use crate::color::Rgb;
@@ -16,77 +17,6 @@ use crate::vector::Vec3;
 use crate::world::Layer;
 use std::f64::consts::PI;
 use wide::f32x8;
-
-/// How often a path may meet the unknown before its coefficients are taken for those of [`Rough::guess`]. Without a guess it ends there: what is
-/// left out is below .2 % on strongly concave objects.
-pub const ORDER: usize = 3;
-
-/// The same of one that is polished, which needs few nodes: light goes straight through closed bodies, and meets them again and again.
-pub const POLISHED_ORDER: usize = 5;
-
-/// The products of lobe coefficients that paths carry: how often each [`Part`] of the unknown was met, up to [`ORDER`] or [`POLISHED_ORDER`] in all.
-#[derive(Clone, Debug)]
-pub struct Monomials {
-    /// Exponents of the coefficients of the four parts.
-    pub exponents: Vec<[u8; 4]>,
-    /// The first column of each product.
-    offsets: Vec<usize>,
-    /// Which product each becomes with one more of a part.
-    next: Vec<[Option<u8>; 4]>,
-    polished: bool,
-    nodes: usize,
-    columns: usize,
-}
-
-impl Monomials {
-    /// All products for an unknown that transmits light or does not, with lobes at `nodes` roughnesses; of a polished one, with reflectances.
-    pub fn new(transmits: bool, polished: bool, nodes: usize) -> Self {
-        let mut monomials = Self { exponents: Vec::new(), offsets: Vec::new(), next: Vec::new(), polished, nodes, columns: 0 };
-        let order = if polished { POLISHED_ORDER } else { ORDER };
-        let most = |part: usize, left: usize| if part % 2 == 1 && !transmits { 0 } else { left };
-        for a in 0..=order {
-            for b in 0..=most(1, order - a) {
-                for c in 0..=order - a - b {
-                    for d in 0..=most(3, order - a - b - c) {
-                        monomials.offsets.push(monomials.columns);
-                        monomials.exponents.push([a as u8, b as u8, c as u8, d as u8]);
-                        monomials.columns += if monomials.varies(monomials.exponents.len() - 1) { nodes } else { 1 };
-                    }
-                }
-            }
-        }
-        let with = |mut exponents: [u8; 4], part: usize| {
-            exponents[part] += 1;
-            monomials.exponents.iter().position(|e| *e == exponents).map(|m| m as u8)
-        };
-        monomials.next = monomials.exponents.iter().map(|&e| [0, 1, 2, 3].map(|part| with(e, part))).collect();
-        monomials
-    }
-
-    /// The product `m` times the coefficient of one more part; `None` if it was met too often.
-    fn times(&self, m: u8, part: Part) -> Option<u8> {
-        self.next[m as usize][part as usize]
-    }
-
-    /// Whether a product's picture depends on the roughness, or on what a mirror reflects.
-    pub fn varies(&self, m: usize) -> bool {
-        let [_, _, reflected, through] = self.exponents[m];
-        reflected > 0 || through > 0 && !self.polished
-    }
-
-    /// The number of columns of a channel: one for each product, or one for each product and node.
-    pub fn columns(&self) -> usize {
-        self.columns
-    }
-
-    /// For each column of a channel: its product, and its node if it has one.
-    pub fn column(&self) -> impl Iterator<Item = (usize, Option<usize>)> + '_ {
-        (0..self.exponents.len()).flat_map(move |m| {
-            let count = if self.varies(m) { self.nodes } else { 1 };
-            (0..count).map(move |n| (m, self.varies(m).then_some(n)))
-        })
-    }
-}
 
 /// What is unknown, and how it is explored.
 #[derive(Clone, Debug)]
@@ -103,8 +33,12 @@ pub struct Rough {
     proposals: Vec<Alpha>,
     /// The products of coefficients.
     pub monomials: Monomials,
-    /// What the coefficients of the four parts may be taken for where a path meets the unknown more often than products tell; without, it ends.
-    pub guess: Option<[Rgb; 4]>,
+    /// What the coefficients of the four parts are taken for where they only decide what is worth how many samples.
+    guess: Option<[Rgb; 4]>,
+    /// What the parts are taken to scatter of all that is scattered where a path meets the unknown more often than products tell.
+    shares: [Rgb; 4],
+    /// The node that stands for all there.
+    middle: usize,
     /// Whether a direction more is worth its cost at the first surface ([`Transport::control`]): where light hardly differs within the lobe.
     pub control: bool,
     /// Of a polished unknown, what its mirror reflects at the nodes, in lanes, apart from the Fresnel term.
@@ -121,7 +55,10 @@ impl Rough {
     pub fn new(material: MaterialId, metal: bool, transmits: bool, nodes: Vec<Alpha>, proposals: Vec<Alpha>) -> Self {
         let monomials = Monomials::new(transmits, false, nodes.len());
         let lobes = Lobes::new(&nodes, &proposals);
-        Self { material, metal, transmits, nodes, proposals, monomials, guess: None, control: false, mirror: None, lobes }
+        let shares = [0, 1, 2, 3].map(|part| if part % 2 == 0 { Rgb::splat(UNKNOWN_SHARE) } else { Rgb::ZERO });
+        let middle = middle(&nodes);
+        let (guess, control, mirror) = (None, false, None);
+        Self { material, metal, transmits, nodes, proposals, monomials, guess, shares, middle, control, mirror, lobes }
     }
 
     /// A polished material: a mirror that is explored at these reflectances, from 0 to 1. A product's picture is a polynomial of its reflectance,
@@ -131,6 +68,15 @@ impl Rough {
         let mirror = Some(reflectances.chunks(LANES).map(lane).collect());
         let monomials = Monomials::new(transmits, true, reflectances.len());
         Self { mirror, monomials, ..Self::new(material, metal, transmits, vec![[0.0; 2]; reflectances.len()], vec![]) }
+    }
+
+    /// Takes these for the coefficients of the four parts; the first that are known also for how what is scattered most often is shared by them.
+    pub fn know(&mut self, coefficients: [Rgb; 4]) {
+        let albedo = coefficients.iter().copied().sum::<Rgb>();
+        if self.guess.is_none() && albedo.min_element() > 0.0 {
+            self.shares = coefficients.map(|coefficient| coefficient / albedo);
+        }
+        self.guess = Some(coefficients);
     }
 
     /// Draws directions from these roughnesses from now on.
@@ -160,20 +106,32 @@ impl Rough {
         Polish { fresnel, deltas: [mirror, straight.filter(|_| self.transmits)] }
     }
 
-    /// The product after one more part, and what else is to be multiplied with.
+    /// A term after one more part: its product with that, and what else is to be multiplied with.
     #[inline]
-    fn meet(&self, monomial: u8, part: Part) -> Option<(u8, Rgb)> {
-        match self.monomials.times(monomial, part) {
-            Some(next) => Some((next, Rgb::ONE)),
-            None => self.guess.map(|guess| (monomial, guess[part as usize])),
+    fn meet<const L: usize>(&self, term: &Term<L>, part: Part) -> Option<Term<L>> {
+        match (self.monomials.times(term.monomial, part), self.mirror.is_some()) {
+            (Some(monomial), _) => Some(Term { monomial, ..*term }),
+            (_, false) => Some(Term { beyond: term.beyond + 1, known: term.known * self.shares[part as usize], ..*term }),
+            (_, true) => self.guess.map(|guess| Term { known: term.known * guess[part as usize], ..*term }),
         }
     }
+}
+
+/// The node nearest to the mean of all, by logarithms.
+fn middle(nodes: &[Alpha]) -> usize {
+    let log = |alpha: &Alpha| alpha.map(|a| a.max(f64::MIN_POSITIVE).ln());
+    let mean = |axis: usize| nodes.iter().map(|alpha| log(alpha)[axis]).sum::<f64>() / nodes.len() as f64;
+    let means = [0, 1].map(mean);
+    let off = |alpha: &Alpha| (0..2).map(|axis| (log(alpha)[axis] - means[axis]).powi(2)).sum::<f64>();
+    (0..nodes.len()).min_by(|a, b| off(&nodes[*a]).total_cmp(&off(&nodes[*b]))).unwrap_or(0)
 }
 
 /// One term of a throughput.
 #[derive(Clone, Copy)]
 struct Term<const L: usize> {
     monomial: u8,
+    /// How often the unknown was met since, more often than products tell.
+    beyond: u16,
     /// What known surfaces and patterns make of it.
     known: Rgb,
     /// What the lobes of the unknown make of it, at each node, over the densities of the directions.
@@ -260,10 +218,10 @@ impl<const L: usize> Tagging<'_, L> {
     /// The first term of a throughput, after meeting a part of the unknown that makes `lobes` of it at each group of nodes.
     fn met(&self, beta: &Beta<L>, surface: &Surface<L>, part: Part, lobes: impl Fn(usize) -> f32x8) -> Option<Term<L>> {
         let (Surface::Unknown { pattern, unknown, polish, .. }, Some(term)) = (surface, beta.terms[0]) else { return None };
-        let (monomial, guess) = unknown.meet(term.monomial, part)?;
-        let guess = polish.as_ref().map_or(guess, |polish| guess * (1.0 - polish.fresnel));
-        let known = guess * if part == Part::SpecularReflection && !unknown.metal { term.known } else { term.known * *pattern };
-        Some(Term { monomial, known, lobes: std::array::from_fn(|l| term.lobes[l] * lobes(l)) })
+        let next = unknown.meet(&term, part)?;
+        let known = polish.as_ref().map_or(next.known, |polish| next.known * (1.0 - polish.fresnel));
+        let known = if part == Part::SpecularReflection && !unknown.metal { known } else { known * *pattern };
+        Some(Term { known, lobes: std::array::from_fn(|l| term.lobes[l] * lobes(l)), ..next })
     }
 
     /// What the first term of a throughput is behind a mirror, or straight through it.
@@ -281,10 +239,23 @@ impl<const L: usize> Tagging<'_, L> {
         Some(match unknown.monomials.times(term.monomial, Part::SpecularReflection) {
             Some(monomial) => {
                 let (f, left) = (f32x8::splat(f as f32), f32x8::splat((level * (1.0 - f)) as f32));
-                Term { monomial, known, lobes: std::array::from_fn(|l| term.lobes[l] * (mirror.get(l).map_or(f, |r| *r * left + f))) }
+                let lobes = std::array::from_fn(|l| term.lobes[l] * (mirror.get(l).map_or(f, |r| *r * left + f)));
+                Term { monomial, known, lobes, ..term }
             }
             None => Term { known: known * (f + (delta.coefficient - f) * level), ..term },
         })
+    }
+
+    /// Hands a path's light that met the unknown more often than products tell to the columns of the albedos.
+    fn collect_beyond(&mut self, term: &Term<L>, radiance: Rgb) {
+        let Rough { monomials, shares, middle, .. } = self.unknown;
+        let before = &monomials.exponents[term.monomial as usize];
+        let shared = before.iter().zip(shares).fold(term.known, |known, (&e, &share)| (0..e).fold(known, |known, _| known * share));
+        let lobe = term.lobes[middle / LANES].to_array()[middle % LANES];
+        for (columns, light) in self.columns.chunks_exact_mut(monomials.columns()).zip((shared * radiance).to_array()) {
+            let sums = &mut columns[monomials.told()..];
+            sums.iter_mut().zip(monomials.albedos()).for_each(|(sum, a)| *sum += lobe * light as f32 * a.powi(i32::from(term.beyond) - 1));
+        }
     }
 
     /// A throughput behind a known surface.
@@ -300,7 +271,7 @@ impl<'a, const L: usize> Transport for Tagging<'a, L> {
     type Surface = Surface<'a, L>;
 
     fn start(&self) -> Beta<L> {
-        Beta { terms: [Some(Term { monomial: 0, known: Rgb::ONE, lobes: [f32x8::ONE; L] }), None] }
+        Beta { terms: [Some(Term { monomial: 0, beyond: 0, known: Rgb::ONE, lobes: [f32x8::ONE; L] }), None] }
     }
 
     fn scale(&self, beta: &mut Beta<L>, by: Rgb) {
@@ -309,7 +280,8 @@ impl<'a, const L: usize> Transport for Tagging<'a, L> {
 
     fn size(&self, beta: &Beta<L>) -> f64 {
         let largest = |lobes: &Nodes<L>| lobes.iter().fold(f32x8::ZERO, |m, &v| m.fast_max(v)).to_array().into_iter().fold(0.0, f32::max);
-        let term = |t: &Term<L>| t.known.abs().max_element() * largest(&t.lobes) as f64;
+        let albedo = self.unknown.guess.map_or(UNKNOWN_SHARE, |guess| guess.iter().copied().sum::<Rgb>().max_element());
+        let term = |t: &Term<L>| t.known.abs().max_element() * largest(&t.lobes) as f64 * albedo.powi(t.beyond.into());
         beta.terms.iter().flatten().map(term).fold(0.0, f64::max)
     }
 
@@ -393,10 +365,8 @@ impl<'a, const L: usize> Transport for Tagging<'a, L> {
                 let left = polish.as_ref().map_or(1.0, |polish| 1.0 - polish.fresnel);
                 let mut beta = beta.clone();
                 for slot in &mut beta.terms {
-                    *slot = slot.and_then(|t| {
-                        let (monomial, guess) = unknown.meet(t.monomial, Part::ALL[side])?;
-                        Some(Term { monomial, known: t.known * *pattern * guess * left, ..t })
-                    });
+                    let met = slot.and_then(|t| unknown.meet(&t, Part::ALL[side]));
+                    *slot = met.map(|t| Term { known: t.known * *pattern * left, ..t });
                 }
                 beta
             }
@@ -417,10 +387,15 @@ impl<'a, const L: usize> Transport for Tagging<'a, L> {
     }
 
     fn collect(&mut self, beta: &Beta<L>, radiance: Rgb) {
-        let per_channel = self.unknown.monomials.columns();
+        let monomials = &self.unknown.monomials;
+        let per_channel = monomials.columns();
         for term in beta.terms.iter().flatten() {
-            let offset = self.unknown.monomials.offsets[term.monomial as usize];
-            let varies = self.unknown.monomials.varies(term.monomial as usize);
+            if term.beyond > 0 {
+                self.collect_beyond(term, radiance);
+                continue;
+            }
+            let offset = monomials.offset(term.monomial);
+            let varies = monomials.varies(term.monomial as usize);
             let nodes = self.unknown.nodes.len();
             for (channel, light) in (term.known * radiance).to_array().into_iter().enumerate() {
                 let columns = &mut self.columns[channel * per_channel + offset..];
