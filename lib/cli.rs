@@ -73,6 +73,7 @@ pub fn main<A: clap::Parser + AsRef<Common> + Send>(
 ) -> ExitCode {
     std::panic::set_hook(Box::new(move |info| {
         let _ = writeln!(io::stderr(), "{tool}: error: {}; this is a fault of the program, please report it", one_line(&info.to_string()));
+        signal::clean();
         std::process::exit(2);
     }));
     let outcome = args::parse::<A>(std::env::args_os().collect(), &|name| Ok(String::from_utf8_lossy(&stream::file(name)?).into_owned()));

@@ -233,7 +233,10 @@ impl Evidence<'_> {
         }
         pixels.sort_unstable();
         if pixels.is_empty() {
-            return Err(Error::new(format!("no pixel of the picture shows `{}`: check the view and the mask", unknown.material().name)));
+            return Err(Error::new(format!(
+                "no pixel of the picture shows `{}`, by itself, in a mirror or through panes of glass: check the view and the mask",
+                unknown.material().name
+            )));
         }
         match self.target.infinite(pixels.iter().copied()) {
             Some(wrong) => Err(Error::new(format!("the picture's {wrong}; leave them out with --mask"))),
@@ -313,7 +316,7 @@ const SAMPLES: u32 = 32;
 const LARGE: usize = 1 << 20;
 /// The side of the tiles that they come in.
 const TILE: usize = 8;
-/// Once it is seen in so many, no more are searched: rounds end before they see half of those.
+/// Once it is seen in so many, no more are searched: without a tolerance, rounds end before they see half of those.
 const ENOUGH: usize = 40_000;
 
 /// The number of the square, of so many pixels a side, that a pixel is in; rising from row to row of squares.

@@ -12,8 +12,8 @@ use crate::anneal::Parameter;
 use crate::anneal::linear::Symmetric;
 use crate::error::Result;
 use crate::metric::{Comparison, Loss, Named};
+use crate::picture::Picture;
 use crate::picture::png::Tone;
-use crate::picture::{Header, Picture};
 use crate::rad::Number;
 use crate::recover::answer::six;
 use crate::recover::model::{Kind, parts};
@@ -80,9 +80,6 @@ impl Moment {
         self.chi2.map(|chi2| chi2 / self.pixels.unwrap_or(1) as f64)
     }
 }
-
-/// Pictures are shown with at most so many pixels in a row or column.
-const LARGEST: usize = 800;
 
 /// Correlations beyond this are told in words.
 const STRONG: f64 = 0.9;
@@ -281,19 +278,18 @@ fn symbol(measure: Loss) -> &'static str {
 
 /// Target, rendering, difference.
 fn comparison(views: &Views) -> Result<String> {
-    let (target, rendering) = (small(&views.target), small(&views.rendering));
-    let counts = Picture { pixels: views.counts.iter().map(|&c| [(c > 0.0) as u8 as f32; 3]).collect(), ..views.target.clone() };
-    let counts: Vec<f32> = small(&counts).pixels.iter().map(|p| if p[0] > 0.999 { p[0] } else { 0.0 }).collect();
-    let weights = counts.iter().any(|&c| c > 0.0).then_some(&counts[..]);
+    let Views { target, rendering, counts, .. } = views;
+    let counts: Vec<f32> = counts.iter().map(|&c| if c > 0.0 { 1.0 } else { 0.0 }).collect();
+    let weights = counts.contains(&1.0).then_some(&counts[..]);
     let named = |picture| Named { name: "picture", picture };
-    let comparison = Comparison::new(named(&target), named(&rendering), None, weights)?;
+    let comparison = Comparison::new(named(target), named(rendering), None, weights)?;
     let (heat, range) = (comparison.heatmap(), comparison.heat_range());
-    let tone = Tone::of(&target);
+    let tone = Tone::of(target);
     let (width, height) = (target.width, target.height);
     let shown = |picture: &Picture| picture.pixels.iter().map(|&p| tone.map(p)).collect::<Vec<_>>();
     let mut out = String::from("<section>\n<h2>Against the photograph</h2>\n<div class=\"pictures three\">\n");
-    out += &figure(width, height, &shown(&target), "The photograph")?;
-    out += &figure(width, height, &shown(&rendering), "Rendered with what was found")?;
+    out += &figure(width, height, &shown(target), "The photograph")?;
+    out += &figure(width, height, &shown(rendering), "Rendered with what was found")?;
     out += &figure(width, height, &heat, "Their difference")?;
     let scale: Vec<[u8; 3]> = (0..129).map(|i| crate::metric::heat::heat(i as f64 / 64.0 - 1.0)).collect();
     out += &format!(
@@ -310,22 +306,6 @@ fn figure(width: usize, height: usize, pixels: &[[u8; 3]], caption: &str) -> Res
     Ok(format!(
         "<figure><img src=\"{uri}\" width=\"{width}\" height=\"{height}\" alt=\"{caption}\"/><figcaption>{caption}</figcaption></figure>\n"
     ))
-}
-
-/// The means of blocks of pixels, so that the picture is not larger than it is shown.
-fn small(picture: &Picture) -> Picture {
-    let block = picture.width.max(picture.height).div_ceil(LARGEST).max(1);
-    let (width, height) = ((picture.width / block).max(1), (picture.height / block).max(1));
-    let mean = |n: usize| {
-        let (x, y) = (n % width * block, n / width * block);
-        let (across, down) = (block.min(picture.width), block.min(picture.height));
-        let mut sum = [0.0; 3];
-        for (v, u) in (y..y + down).flat_map(|v| (x..x + across).map(move |u| (v, u))) {
-            (0..3).for_each(|c| sum[c] += picture.at(u, v)[c]);
-        }
-        sum.map(|s| s / (across * down) as f32)
-    };
-    Picture { width, height, header: Header::default(), pixels: (0..width * height).map(mean).collect() }
 }
 
 /// A count with thin spaces between thousands.

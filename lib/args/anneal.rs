@@ -265,6 +265,9 @@ impl Arguments {
                 "-st and -ss are shortcuts of a rendering, which no photograph takes; leave them out (or give --direct)",
             ));
         }
+        if seen && light.irradiance == Some(true) {
+            return Err(Error::new("-i renders what arrives at surfaces, which no photograph shows; leave it out (or give --direct)"));
+        }
         let kept = [("--state", &self.search.state), ("--log", &self.search.log), ("--report", &self.search.report)];
         let words: Vec<&str> = self.words.iter().map(String::as_str).collect();
         let dashed = kept.iter().find(|(_, path)| path.as_ref().is_some_and(|path| path.as_os_str() == "-")).map(|(option, _)| *option);

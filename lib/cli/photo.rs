@@ -87,10 +87,10 @@ impl<'a> Photo<'a> {
             remarks(name, target, &film, unknown, light, &rules).iter().for_each(|remark| console.warn(remark));
         }
         disk.count("the view", view.header_line().as_bytes());
-        let (name, target) = taken.unwrap_or_else(|| {
-            let (width, height) = (film.width, film.height);
-            (String::new(), Picture { width, height, header: Header::default(), pixels: vec![[0.0; 3]; width * height] })
-        });
+        let (name, target) = match taken {
+            Some(taken) => taken,
+            None => (String::new(), Picture::new(film.width, film.height, Header::default())?),
+        };
         let steps = target.steps();
         let target = target.into_radiance();
         let mask = photo.mask.as_deref().map(read).transpose()?;
@@ -215,9 +215,11 @@ impl<'a> Photo<'a> {
         Ok(Views { rendering, counts, lamp: setting.under_a_lamp(&reals)?, there, target })
     }
 
-    /// What is to be said if the picture is of another exposure.
-    pub fn exposed(&self) -> Option<String> {
-        exposed(&self.evidence(), &self.unknown, self.material, self.seed)
+    /// What is to be said if the picture is of another exposure, where the unknown is what was found: it may light what is around it.
+    pub fn exposed(&self, found: &Recovery) -> Result<Option<String>> {
+        let by = |world: &World| exposed(&self.evidence(), world, &self.unknown, self.material, self.seed);
+        // Mostly nothing is to be said by what is there already.
+        by(&self.world).map_or(Ok(None), |_| Ok(by(&self.setting().world(&self.unknown.reals(&found.values))?)))
     }
 
     /// What is to be said of pixels that were left out as they seem saturated, if by what was found most of them should be brighter.

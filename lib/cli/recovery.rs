@@ -37,7 +37,7 @@ pub fn recover(start: &str, target: &str, arguments: &Arguments, console: &Conso
             }
             trail.hear(&found, console);
             let cut = stopped();
-            for doubt in photo.exposed().into_iter().chain(saturated).chain(strays(&found, photo.width())) {
+            for doubt in photo.exposed(&found)?.into_iter().chain(saturated).chain(strays(&found, photo.width())) {
                 title.push(format!("warning: {doubt}"));
                 doubts.push(doubt);
             }
@@ -60,7 +60,8 @@ pub fn recover(start: &str, target: &str, arguments: &Arguments, console: &Conso
     let page = arguments.search.report.as_ref();
     let reported = page.map_or(Ok(()), |path| report::of_recovery(path, &found, &answer, &photo, &trail, console));
     answered.and(reported).and(trail.written())?;
-    let missed = options.tolerance.and_then(|tolerance| answer::missed(unknown.parameters(), &found.errors(), tolerance));
+    let asked = options.tolerance.zip(answer.errors());
+    let missed = asked.and_then(|(tolerance, errors)| answer::missed(unknown.parameters(), errors, tolerance));
     missed.iter().for_each(|missed| console.warn(missed));
     Ok(if missed.is_none() && !cut { Answer::Yes } else { Answer::No })
 }

@@ -29,10 +29,15 @@ fn received(signal: i32) {
     if PATIENT.load(Ordering::Relaxed) && ASKED.get_or_init(Instant::now).elapsed() < SAME {
         return;
     }
+    clean();
+    std::process::exit(128 + signal);
+}
+
+/// Removes what is under way, before the program ends at once.
+pub(super) fn clean() {
     for path in unfinished().iter() {
         let _ = std::fs::remove_file(path).or_else(|_| std::fs::remove_dir_all(path));
     }
-    std::process::exit(128 + signal);
 }
 
 /// From now on the first signal to end is a question: the result tells whether it was asked. The second ends the program at once.

@@ -7,6 +7,7 @@ use crate::render::Pixel;
 use crate::rules::Rules;
 use crate::scene::MaterialId;
 use crate::unknown::{EXPOSURES, Unknown};
+use crate::world::World;
 
 /// The least and the greatest brightness of known things, in terms of what they should have, that is no other exposure.
 const EXPOSED: [f64; 2] = [0.9, 1.1];
@@ -15,15 +16,15 @@ const LOOKED_AT: usize = 300;
 const FEWEST: usize = 30;
 const ALIKE: f64 = 0.25;
 
-/// What is to be said if things that are known are brighter or darker in the picture than they should be, all alike: then it is of another
+/// What is to be said if things in a world that are known are brighter or darker in the picture than they should be, all alike: then it is of another
 /// exposure, which none of the parameters is.
-pub fn exposed(evidence: &Evidence, unknown: &Unknown, material: MaterialId, seed: u64) -> Option<String> {
+pub fn exposed(evidence: &Evidence, world: &World, unknown: &Unknown, material: MaterialId, seed: u64) -> Option<String> {
     if unknown.parameters().iter().any(|p| EXPOSURES.contains(&&p.name[..])) {
         return None;
     }
     let known = |n: &usize| evidence.counts(*n) && !evidence.touches(*n, material);
     let known: Vec<usize> = evidence.film.some(LOOKED_AT).filter(known).collect();
-    let rendering = evidence.rendered(evidence.world, &known, seed);
+    let rendering = evidence.rendered(world, &known, seed);
     let ratio = |(&n, pixel): (&usize, &Pixel)| bright(Rgb::from(evidence.target.pixels[n].map(f64::from))) / bright(pixel.mean());
     let mut ratios: Vec<f64> = known.iter().zip(&rendering.pixels).map(ratio).filter(|ratio| ratio.is_finite()).collect();
     if ratios.len() < FEWEST {

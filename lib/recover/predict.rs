@@ -5,6 +5,7 @@ use super::look::Model;
 use super::model::Kind;
 use super::rough::{self, Sought};
 use super::scores::{Evaluation, Scores};
+use super::seen::scattered;
 use super::sheet::{COMMON, Channels, Sheet, Weights, mean};
 use super::{Evidence, clear, supported};
 use crate::anneal::linear::Symmetric;
@@ -21,6 +22,8 @@ const DARK: f64 = 0.001;
 /// Samples of a pixel in each half, and of all pixels.
 const EACH: (f64, f64) = (4.0, 128.0);
 const SAMPLES: f64 = 400_000.0;
+/// So many pixels are looked at, at the most; others tell as much.
+const MOST: usize = 4000;
 
 /// What a photograph would tell.
 pub struct Prediction {
@@ -53,22 +56,24 @@ pub fn assumed() -> String {
 /// What a photograph would tell of an unknown that has its starting values. The target of `evidence` does not matter.
 pub fn predict(evidence: &Evidence, unknown: &Unknown, material: MaterialId, seed: u64) -> Result<Prediction> {
     supported(unknown)?;
-    let pixels = evidence.pixels(unknown, material)?;
+    let all = evidence.pixels(unknown, material)?;
+    let pixels = &scattered(&all, evidence.film.width)[..all.len().min(MOST)];
     match Kind::named(&unknown.material().kind) {
         Some(kind) => {
-            let sought = Sought { evidence, unknown, material, kind, pixels: &pixels };
-            by(&mut rough::near_start(&sought), evidence, unknown, &pixels, seed)
+            let sought = Sought { evidence, unknown, material, kind, pixels };
+            by(&mut rough::near_start(&sought), evidence, unknown, [pixels, &all], seed)
         }
         None => {
             let sought = clear::Through::new(evidence, unknown, material);
-            let found = by(&mut clear::near_start(evidence, &sought, material), evidence, &sought.unknown, &pixels, seed)?;
+            let found = by(&mut clear::near_start(evidence, &sought, material), evidence, &sought.unknown, [pixels, &all], seed)?;
             let rates = sought.rates(&sought.unknown.start(), &found.covariance);
             Ok(Prediction { covariance: found.covariance.scaled(&rates), common: found.common.scaled(&rates), ..found })
         }
     }
 }
 
-fn by(model: &mut dyn Model, evidence: &Evidence, unknown: &Unknown, pixels: &[usize], seed: u64) -> Result<Prediction> {
+/// What all pixels would tell, by some of them.
+fn by(model: &mut dyn Model, evidence: &Evidence, unknown: &Unknown, [pixels, all]: [&[usize]; 2], seed: u64) -> Result<Prediction> {
     let (values, bounds) = (unknown.start(), unknown.bounds());
     model.tune(&values, None);
     let each = (SAMPLES / (pixels.len() as f64)).clamp(EACH.0, EACH.1);
@@ -76,16 +81,19 @@ fn by(model: &mut dyn Model, evidence: &Evidence, unknown: &Unknown, pixels: &[u
     let here = Evaluation::new(model, &basis, &values, &bounds);
     let halves = &here.halves;
     // What would be photographed is what is rendered.
-    let (width, height) = (evidence.film.width, evidence.film.height);
-    let mut target = Picture { width, height, header: Header::default(), pixels: vec![[0.0; 3]; width * height] };
+    let mut target = Picture::new(evidence.film.width, evidence.film.height, Header::default())?;
     for (i, &n) in pixels.iter().enumerate() {
         target.pixels[n] = std::array::from_fn(|c| mean(halves, i, c).max(0.0) as f32);
     }
     let evidence = Evidence { target: &target, steps: None, ..*evidence };
     let sheet = Sheet::new(&evidence, pixels);
     let dark = DARK * sheet.level;
-    let weights: Channels =
-        sheet.target.iter().map(|t| t.map(|v| ((NOISE * v as f64).powi(2) + dark * dark).max(f64::MIN_POSITIVE).recip() as f32)).collect();
+    let count = all.len() as f64 / pixels.len() as f64;
+    let weights: Channels = sheet
+        .target
+        .iter()
+        .map(|t| t.map(|v| (count / ((NOISE * v as f64).powi(2) + dark * dark).max(f64::MIN_POSITIVE)) as f32))
+        .collect();
     let scores = Scores::new(&sheet, Weights::new([weights.clone(), weights]), here, &bounds);
-    Ok(Prediction { covariance: scores.expected(), common: scores.common(), pixels: pixels.len(), level: sheet.level })
+    Ok(Prediction { covariance: scores.expected(), common: scores.common(), pixels: all.len(), level: sheet.level })
 }

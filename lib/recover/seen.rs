@@ -106,7 +106,7 @@ impl Seen {
 impl Look<'_> {
     /// What is seen first.
     pub fn first(&self, model: &dyn Model, seed: u64) -> Seen {
-        let (pixels, foreseen) = self.order(model);
+        let (mut pixels, foreseen) = self.order(model);
         let begin = Instant::now();
         let all = pixels.len() as f64;
         let (first, each) = match &foreseen {
@@ -121,6 +121,7 @@ impl Look<'_> {
         let until = (self.effort.until)().filter(|_| !self.effort.quick);
         let count = if until.is_some() { (first * TRIED).ceil() } else { first };
         let basis = model.trace_all(&pixels[..count as usize], each as u32, seed);
+        pixels.truncate((MOST_BYTES / (6.0 * 4.0 * basis.columns as f64)).max(count) as usize);
         let mut seen = Seen { pixels, count, each, foreseen, seed, basis, begin };
         if until.is_some() {
             let next = (count * (1.0 + TRACED * seen.time_left(until))).floor().min(first);
@@ -187,6 +188,9 @@ pub fn scattered(pixels: &[usize], width: usize) -> Vec<usize> {
     pixels.sort_by_key(|n| mix64(tile(*n, width, SQUARE) as u64));
     pixels
 }
+
+/// So large a basis holds all pixels that are ever seen.
+const MOST_BYTES: f64 = 1e9;
 
 /// The side of a square, in pixels.
 const SQUARE: usize = 4;
