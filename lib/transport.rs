@@ -13,7 +13,7 @@ mod tests;
 
 pub use clear::{Clear, depth};
 pub use lobes::Alpha;
-pub use monomials::{Monomials, POLISHED_ORDER};
+pub use monomials::{Monomials, ORDER, POLISHED_ORDER};
 pub use rough::{MOST_NODES, Rough};
 
 use crate::color::Rgb;

@@ -153,11 +153,16 @@ fn not_a_real(word: &Word, i: usize, count: usize) -> String {
 }
 
 fn unknown_type(name: &str) -> String {
-    let likely = TYPES.iter().map(|t| (distance(name, t.name), t.name)).min();
-    match likely {
-        Some((d, likely)) if d <= 2 => format!("unknown type `{name}`; `{likely}` is one"),
-        _ => format!("unknown type `{name}`; a statement begins with modifier, type and name"),
+    match likely(name, TYPES.iter().map(|t| t.name)) {
+        Some(likely) => format!("unknown type `{name}`; `{likely}` is one"),
+        None => format!("unknown type `{name}`; a statement begins with modifier, type and name"),
     }
+}
+
+/// The nearest to a word of some others, if it is so near that it may be meant: two letters of it are wrong, but no more than a third.
+pub fn likely<'a>(word: &str, others: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+    let nearest = others.map(|other| (distance(word, other), other)).min();
+    nearest.filter(|(wrong, _)| *wrong <= 2.min(word.len() / 3)).map(|(_, likely)| likely)
 }
 
 /// Edits between two words (Levenshtein 1966), letters compared without case.

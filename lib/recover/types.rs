@@ -20,7 +20,7 @@ const SURE: f64 = 5.0;
 const NEAR: f64 = 1.0;
 /// Coefficients are the same when they differ by less than so many standard errors, taken between two limits; surely so below another one.
 const SAME: f64 = 3.0;
-const SAME_WITHIN: (f64, f64) = (0.003, 0.05);
+const SAME_WITHIN: (f64, f64) = (0.003, 0.02);
 const SURELY_WITHIN: f64 = 0.01;
 
 /// The picture recovered as one type.

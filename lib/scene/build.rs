@@ -8,7 +8,7 @@ use crate::expand::Annotation;
 use crate::geometry::Shape;
 use crate::material::Material;
 use crate::pattern::{Mixture, Pattern, Sources, Texture};
-use crate::rad::{Class, Primitive, real};
+use crate::rad::{Class, Primitive, likely, real};
 use crate::resolve::Resolve;
 use crate::support::{Feature, unsupported};
 use crate::transform::Transform;
@@ -136,7 +136,10 @@ impl<'a> Builder<'a> {
             name => match self.find(name, self.definitions.len()) {
                 Some(definition) => Ok(Some(definition)),
                 None => {
-                    Err(primitive.modifier_error(format!("no modifier `{name}` is defined before this; define it above, or write void")))
+                    let likely =
+                        likely(name, self.names.keys().map(|known| &**known)).map_or(String::new(), |known| format!("; `{known}` is"));
+                    Err(primitive
+                        .modifier_error(format!("no modifier `{name}` is defined before this{likely}; define it above, or write void")))
                 }
             },
         }

@@ -62,7 +62,7 @@ impl Rough {
     }
 
     /// A polished material: a mirror that is explored at these reflectances, from 0 to 1. A product's picture is a polynomial of its reflectance,
-    /// no higher than [`POLISHED_ORDER`], as (1 − F) r + F is at every meeting: one reflectance more than that suffices.
+    /// no higher than [`POLISHED_ORDER`](super::POLISHED_ORDER), as (1 − F) r + F is at every meeting: one reflectance more than that suffices.
     pub fn polished(material: MaterialId, metal: bool, transmits: bool, reflectances: &[f64]) -> Self {
         let lane = |chunk: &[f64]| f32x8::from(std::array::from_fn(|i| chunk.get(i).map_or(0.0, |&r| r as f32)));
         let mirror = Some(reflectances.chunks(LANES).map(lane).collect());

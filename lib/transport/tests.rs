@@ -1,6 +1,6 @@
 //! The basis, put together with the numbers of a material, is the picture that a plain rendering makes of the same samples.
 
-use super::{Basis, Clear, Columns, LANES, Mixture, Piece, Pixels, Rough, Transport, Unknown, clear, follow, rough, trace};
+use super::{Basis, Clear, Columns, LANES, Mixture, ORDER, Piece, Pixels, Rough, Transport, Unknown, clear, follow, rough, trace};
 use crate::bsdf::{Arriving, Bsdf, Delta, Part};
 use crate::color::Rgb;
 use crate::error::Source;
@@ -234,7 +234,7 @@ fn check_rough_by(rules: Rules, kind: Kind, name: &str, sets: [&[f64]; 5]) {
     let unknown = Unknown::Rough(Box::new(rough.clone()));
     for a in sets {
         let mut x = coefficients(kind, &rough.monomials, &grid, a);
-        // Those tell of the mean of all that is met more often.
+        // The plain rendering ends where products do.
         x.iter_mut().for_each(|x| x[rough.monomials.told()..].fill(0.0));
         let basis = basis(&start, &rules, &unknown, &x);
         let (world, _) = world(&write(a), &rules);
@@ -243,7 +243,7 @@ fn check_rough_by(rules: Rules, kind: Kind, name: &str, sets: [&[f64]; 5]) {
             guide: rough::Tagging::<1> { rules: &rules, unknown: &rough, columns: &mut [] },
             rules: &rules,
             material,
-            order: super::monomials::ORDER as u8,
+            order: ORDER as u8,
             sum,
         });
         compare(&basis, &x, &picture);
