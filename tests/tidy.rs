@@ -1,4 +1,4 @@
-//! The house is tidy: the map in `lib/lib.rs` is complete, rooms use only rooms above them, crates stay at home, files stay short.
+//! The house is tidy: the map in `lib/lib.rs` is complete, rooms use only rooms above them, crates stay at home, files stay short, what the README shows is there.
 
 use std::collections::BTreeMap;
 use std::fs::{read_dir, read_to_string};
@@ -96,6 +96,16 @@ fn files_are_short_and_say_what_they_answer() {
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn what_the_readme_shows_is_there() {
+    let text = read(&root().join("README.md"));
+    let links =
+        text.split("](").skip(1).filter_map(|rest| rest.split(')').next()).filter(|link| !link.contains(':') && !link.starts_with('#'));
+    for link in links {
+        assert!(root().join(link.split('#').next().unwrap()).exists(), "README.md: {link}");
+    }
 }
 
 /// The files of the library: path, room, and the lines of code without comments and tests.
