@@ -189,7 +189,7 @@ pub fn scattered(pixels: &[usize], width: usize) -> Vec<usize> {
     pixels
 }
 
-/// So large a basis holds all pixels that are ever seen.
+/// No more pixels are ever seen than a basis of this size holds.
 const MOST_BYTES: f64 = 1e9;
 
 /// The side of a square, in pixels.

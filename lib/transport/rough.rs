@@ -111,7 +111,7 @@ impl Rough {
     fn meet<const L: usize>(&self, term: &Term<L>, part: Part) -> Option<Term<L>> {
         match (self.monomials.times(term.monomial, part), self.mirror.is_some()) {
             (Some(monomial), _) => Some(Term { monomial, ..*term }),
-            (_, false) => Some(Term { beyond: term.beyond + 1, known: term.known * self.shares[part as usize], ..*term }),
+            (_, false) => Some(Term { beyond: term.beyond.saturating_add(1), known: term.known * self.shares[part as usize], ..*term }),
             (_, true) => self.guess.map(|guess| Term { known: term.known * guess[part as usize], ..*term }),
         }
     }
