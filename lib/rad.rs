@@ -219,6 +219,7 @@ mod tests {
         let wrong = message("void plastic red 0 0 5 1 1 1 0\nred sphere s 0 0 4 0 0 0 1\n");
         assert!(wrong.starts_with("t.rad:2:1: error: expected real argument 5 of 5, found `red`; correct it or the count"), "{wrong}");
         assert!(message("void plastik a 0 0 0").contains("unknown type `plastik`; `plastic` is one"));
+        assert!(message("void ligth a 0 0 0").contains("unknown type `ligth`; `light` is one"));
         assert!(message("void plastic a 0 1 3 0").contains("integer arguments"));
         assert!(message("void plastic a -1 0 0").contains("cannot be negative"));
         assert!(message("void plastic a 4.0 0 0").contains("found `4.0`"));

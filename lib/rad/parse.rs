@@ -159,10 +159,10 @@ fn unknown_type(name: &str) -> String {
     }
 }
 
-/// The nearest to a word of some others, if it is so near that it may be meant: two letters of it are wrong, but no more than a third.
+/// The nearest to a word of some others, if it is so near that it may be meant: no more than two letters are wrong, nor more than half of it.
 pub fn likely<'a>(word: &str, others: impl Iterator<Item = &'a str>) -> Option<&'a str> {
     let nearest = others.map(|other| (distance(word, other), other)).min();
-    nearest.filter(|(wrong, _)| *wrong <= 2.min(word.len() / 3)).map(|(_, likely)| likely)
+    nearest.filter(|(wrong, _)| *wrong <= 2.min(word.len().div_ceil(2))).map(|(_, likely)| likely)
 }
 
 /// Edits between two words (Levenshtein 1966), letters compared without case.

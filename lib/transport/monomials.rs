@@ -7,6 +7,7 @@
 use super::LANES;
 use crate::bsdf::Part;
 use std::f64::consts::PI;
+use std::sync::LazyLock;
 
 /// How many products a path may carry.
 pub const ORDER: usize = 3;
@@ -117,13 +118,19 @@ fn albedos() -> [f64; LANES] {
     std::array::from_fn(|i| toward_end(0.5 - 0.5 * point(i) / point(0)))
 }
 
+/// The product of 1 − κ A over all κ.
+fn lacking(albedo: f64) -> f64 {
+    static GROWTHS: LazyLock<[f64; LANES]> = LazyLock::new(|| std::array::from_fn(|j| toward_end(j as f64 / LANES as f64)));
+    GROWTHS.iter().map(|growth| 1.0 - albedo * growth).product()
+}
+
 /// What light that met the unknown more often than [`ORDER`] times takes of the columns of the albedos.
 fn between(albedo: f64) -> [f64; LANES] {
-    let nodes = albedos();
-    let lacking = |a: f64| (0..LANES).map(|j| 1.0 - a * toward_end(j as f64 / LANES as f64)).product::<f64>();
-    std::array::from_fn(|i| {
-        let polynomial = (0..LANES).filter(|&j| j != i).map(|j| (albedo - nodes[j]) / (nodes[i] - nodes[j])).product::<f64>();
-        albedo.powi(ORDER as i32 + 1) * polynomial * lacking(nodes[i]) / lacking(albedo)
+    static NODES: LazyLock<[(f64, f64); LANES]> = LazyLock::new(|| albedos().map(|node| (node, lacking(node))));
+    let (met, rest) = (albedo.powi(ORDER as i32 + 1), lacking(albedo));
+    NODES.map(|(node, lacking)| {
+        let others = NODES.iter().filter(|(other, _)| *other != node);
+        met * others.map(|(other, _)| (albedo - other) / (node - other)).product::<f64>() * lacking / rest
     })
 }
 
