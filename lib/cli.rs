@@ -6,7 +6,7 @@
 pub use disk::Disk;
 pub use scene::{documents, list, typed, view, world};
 pub use signal::interrupted;
-pub use stream::{Input, Output};
+pub use stream::{Output, input};
 
 use crate::args::{self, Common, Typed};
 use crate::error::Error;

@@ -153,7 +153,7 @@ impl<'a> Comparison<'a> {
         for Named { name, picture } in [reference, image].into_iter().chain(second) {
             let counted = (0..picture.pixels.len()).filter(|&i| weights.is_none_or(|w| w[i] > 0.0));
             if let Some(wrong) = picture.infinite(counted) {
-                return Err(Error::new(format!("{name}: the {wrong}; leave them out with a mask")));
+                return Err(Error::new(format!("{name}: the {wrong}; leave such out with a mask")));
             }
         }
         Ok(Self {
@@ -413,7 +413,10 @@ mod tests {
     fn what_cannot_be_compared_is_said() {
         let (a, b) = (picture(&[[0.0; 3]; 4]), picture(&[[1.0; 3], [f32::NAN; 3], [3.0; 3], [f32::INFINITY; 3]]));
         let message = Comparison::new(named(&a), named(&b), None, None).unwrap_err().message;
-        assert!(message.starts_with("a.hdr: the pixel in column 1 and row 0") && message.contains("1 others"), "{message}");
+        assert!(
+            message.starts_with("a.hdr: the pixel in column 1 and row 0") && message.contains("and 1 more are not finite"),
+            "{message}"
+        );
         let short = picture(&[[0.0; 3]; 3]);
         let message = Comparison::new(named(&a), named(&short), None, None).unwrap_err().message;
         assert!(message.starts_with("a.hdr is 4 × 1 pixels, a.hdr is 3 × 1 pixels"), "{message}");

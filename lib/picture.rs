@@ -156,7 +156,11 @@ impl Picture {
     pub fn infinite(&self, numbers: impl Iterator<Item = usize>) -> Option<String> {
         let mut bad = numbers.filter(|&n| self.pixels[n].iter().any(|v| !v.is_finite()));
         let first = bad.next()?;
-        Some(format!("pixel in {} and {} others are not finite", place(first, self.width), bad.count()))
+        let others = match bad.count() {
+            0 => "is".to_string(),
+            more => format!("and {more} more are"),
+        };
+        Some(format!("pixel in {} {others} not finite", place(first, self.width)))
     }
 
     /// Reads a RADIANCE picture or an OpenEXR file, told apart by their content. `name` is for messages.

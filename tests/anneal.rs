@@ -68,6 +68,9 @@ fn the_file_of_a_candidate_is_one_word_wherever_it_is() {
 fn an_answer_takes_the_place_of_the_one_before() {
     let directory = directory();
     let search = |exec: &str| run(directory.path(), &["--exec", exec, "--steps", "30", "-o", "start.rad", "start.rad"]);
+    // Comments of the file's own stay, whatever they begin with.
+    let start = fs::read_to_string(directory.path().join("start.rad")).unwrap();
+    fs::write(directory.path().join("start.rad"), format!("# type of finish\n# red 3 coats\n{start}")).unwrap();
     let done = search("echo 4");
     assert_eq!(done.status.code(), Some(0), "{}", text(&done.stderr));
     let first = fs::read_to_string(directory.path().join("start.rad")).unwrap();
@@ -78,7 +81,9 @@ fn an_answer_takes_the_place_of_the_one_before() {
     search(FAKE);
     let second = fs::read_to_string(directory.path().join("start.rad")).unwrap();
     assert!(
-        second.matches("# chi2 ").count() == 1 && !second.contains("not determined") && second.contains("\n# the horse\nvoid metal"),
+        second.matches("# chi2 ").count() == 1
+            && !second.contains("not determined")
+            && second.contains("\n# type of finish\n# red 3 coats\n# the horse\nvoid metal"),
         "{second}"
     );
 }

@@ -18,8 +18,8 @@ fn run(program: &str, directory: &Path, arguments: &str) -> Output {
     Command::new(program).current_dir(directory).args(arguments.split_whitespace()).output().unwrap()
 }
 
-/// What `--type` makes of a picture of something made of `material`: the comment lines, the file, and what was said on standard error.
-fn taken(material: &str, shape: &str, options: &str) -> (String, String, String) {
+/// What `anneal` makes, with these options, of a picture of something made of `material`.
+fn annealed(material: &str, shape: &str, options: &str) -> Output {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path();
     fs::write(path.join("start.rad"), START).unwrap();
@@ -27,7 +27,12 @@ fn taken(material: &str, shape: &str, options: &str) -> (String, String, String)
     fs::write(path.join("scene.rad"), format!("{SCENE}{shape}")).unwrap();
     let view = "-vp 0 -5 1 -vd 0 1 -.2 -vh 26 -vv 26 -x 48 -y 48 --spp 200 --seed 5 -ab 1 -o target.hdr true.rad scene.rad";
     assert!(run(env!("CARGO_BIN_EXE_rtrace-rs"), path, view).status.success());
-    let done = run(env!("CARGO_BIN_EXE_anneal"), path, &format!("-ab 1 --scene scene.rad --target target.hdr {options} start.rad"));
+    run(env!("CARGO_BIN_EXE_anneal"), path, &format!("-ab 1 --scene scene.rad --target target.hdr {options} start.rad"))
+}
+
+/// What `--type` makes of it: the comment lines, the file, and what was said on standard error.
+fn taken(material: &str, shape: &str, options: &str) -> (String, String, String) {
+    let done = annealed(material, shape, options);
     let (out, said) = (String::from_utf8(done.stdout).unwrap(), String::from_utf8(done.stderr).unwrap());
     assert_eq!(done.status.code(), Some(0), "{said}");
     let (comments, file) = out.split_once("# what is it?\n").unwrap();
@@ -73,6 +78,13 @@ fn a_type_that_is_named_is_taken() {
     let (comments, file, _) = taken("metal thing 0 0 5 .8 .6 .3 .6 .1", BALL, "--type metal --fix trans --param spec=:.3:1");
     assert!(comments.starts_with("# chi2 "), "{comments}");
     near(&reals(&file), &[0.8, 0.6, 0.3, 0.6, 0.1], 0.01);
+}
+
+#[test]
+fn an_index_of_refraction_is_sought_within_reason() {
+    let done = annealed("glass thing 0 0 3 .9 .7 .6", PANE, "--type dielectric --param ior=1.5:1:1e308");
+    let said = String::from_utf8(done.stderr).unwrap();
+    assert!(done.status.code() == Some(2) && said.contains("is sought up to 10; give it nearer bounds"), "{said}");
 }
 
 #[test]

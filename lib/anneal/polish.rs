@@ -177,7 +177,7 @@ impl Polish {
                 (weight > 1e-3).then(|| (features(&z), s.value, weight * s.weight))
             })
             .collect();
-        let prior = self.fit.as_ref().map(|fit| sandwich(&fit.hessian, &back));
+        let prior = self.fit.as_ref().map(|fit| back.around(&fit.hessian));
         let Some(quadratic) = Quadratic::fit(&rows, variables, prior.as_ref()) else {
             // Values this wild are no quadratic here: look closer.
             self.metric = self.metric.with_eigenvalues(|v| v * CHANGE.0.powi(-2));
@@ -190,10 +190,10 @@ impl Polish {
         });
         let positive = quadratic.hessian.with_eigenvalues(|v| v.max(1e-6 * largest).max(f64::MIN_POSITIVE));
         // Step to the minimum, as far as the region and the unit cube reach.
-        let (step, length) = self.descend(&root.times(&quadratic.gradient), &sandwich(&positive, &root));
+        let (step, length) = self.descend(&root.times(&quadratic.gradient), &root.around(&positive));
         let z = root.times(&step);
         let value = quadratic.at(&z);
-        let errors = sandwich(&quadratic.minimum_covariance(&positive, &z), &back);
+        let errors = back.around(&quadratic.minimum_covariance(&positive, &z));
         let error = |i| Some(errors.at(i, i).max(0.0).sqrt()).filter(|e| e.is_finite()).unwrap_or(f64::MAX);
         // The new region is the level line EDGE deviations up; at the edge of the old one, as far up as this step went down.
         if quadratic.freedom > variables as f64 {
@@ -204,7 +204,7 @@ impl Polish {
         let level = 2.0 * rise.max(1e-14 * (quadratic.value.abs() + largest)).max(f64::MIN_POSITIVE);
         let steepest = if at_edge { 1.0 } else { CHANGE.0.powi(-2) };
         let shape = positive.with_eigenvalues(|v| (v / level).clamp(CHANGE.1.powi(-2), steepest));
-        self.metric = sandwich(&shape, &root).with_eigenvalues(|v| v.max(LENGTHS.0.powi(-2)));
+        self.metric = root.around(&shape).with_eigenvalues(|v| v.max(LENGTHS.0.powi(-2)));
         self.center.iter_mut().zip(&step).for_each(|(c, s)| *c = (*c + s).clamp(0.0, 1.0));
         // Values that only just determine the coefficients say nothing of their errors: keep those known before.
         let errors = match self.fit.take() {
@@ -212,7 +212,7 @@ impl Polish {
             _ if quadratic.freedom < 1.0 => vec![f64::MAX; variables],
             _ => (0..variables).map(error).collect(),
         };
-        let hessian = sandwich(&positive, &root);
+        let hessian = root.around(&positive);
         self.fit = Some(Fit { minimum: self.center.clone(), value, hessian, errors, scatter: quadratic.scatter });
         length > LONG.0
     }
@@ -322,13 +322,6 @@ fn features(z: &[f64]) -> Vec<f64> {
 /// Rows and columns of the lower triangle, row by row.
 fn pairs(size: usize) -> impl Iterator<Item = (usize, usize)> {
     (0..size).flat_map(|i| (0..=i).map(move |j| (i, j)))
-}
-
-/// S A S.
-fn sandwich(a: &Symmetric, s: &Symmetric) -> Symmetric {
-    let size = a.size();
-    let columns: Vec<Vec<f64>> = (0..size).map(|j| a.times(&(0..size).map(|i| s.at(i, j)).collect::<Vec<_>>())).collect();
-    Symmetric::of(size, |i, j| (0..size).map(|k| s.at(i, k) * columns[j][k]).sum())
 }
 
 /// a − b.

@@ -82,6 +82,9 @@ pub struct Arguments {
     pub common: Common,
 }
 
+/// What colours may be told in: the last that is given counts.
+const SPACES: [&str; 5] = ["rgb", "xyz", "luminance", "scotopic", "melanopic"];
+
 /// The size and kind of a picture.
 #[derive(clap::Args, Clone, Debug, Default)]
 #[command(next_help_heading = "Picture options")]
@@ -131,19 +134,19 @@ pub struct PictureOptions {
     pub coverage: Option<String>,
 
     /// Red, green and blue (the default)
-    #[arg(long = "pRGB")]
+    #[arg(long = "pRGB", overrides_with_all = SPACES)]
     pub rgb: bool,
 
     /// CIE XYZ, times 179; of a picture in parts, with --merge
-    #[arg(long = "pXYZ")]
+    #[arg(long = "pXYZ", overrides_with_all = SPACES)]
     pub xyz: bool,
 
     /// Luminance, times 179; for rays only
-    #[arg(long = "pY")]
+    #[arg(long = "pY", overrides_with_all = SPACES)]
     pub luminance: bool,
 
     /// What the eye sees by night; for rays only
-    #[arg(long = "pS")]
+    #[arg(long = "pS", overrides_with_all = SPACES)]
     pub scotopic: bool,
 
     /// CIE (x, y) of red, green, blue and white; RADIANCE's own only
@@ -151,7 +154,7 @@ pub struct PictureOptions {
     pub pc: Option<Vec<f64>>,
 
     /// What sets the clock of the body; for rays only
-    #[arg(long = "pM")]
+    #[arg(long = "pM", overrides_with_all = SPACES)]
     pub melanopic: bool,
 }
 

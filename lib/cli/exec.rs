@@ -106,7 +106,9 @@ fn tail(path: &Path) -> std::io::Result<String> {
     file.seek(SeekFrom::Start(length.saturating_sub(KEPT)))?;
     let mut bytes = Vec::new();
     file.take(KEPT).read_to_end(&mut bytes)?;
-    Ok(String::from_utf8_lossy(&bytes).into_owned())
+    // It may begin within a letter.
+    let whole = if length > KEPT { bytes.iter().position(|byte| byte & 0xC0 != 0x80).unwrap_or(0) } else { 0 };
+    Ok(String::from_utf8_lossy(&bytes[whole..]).into_owned())
 }
 
 /// The last lines of a complaint, as the end of a message of one line.

@@ -1,6 +1,6 @@
 //! What a program makes of a rendering: a picture file, and beside it variance and other pictures of the same pixels.
 
-use super::stream::Input;
+use super::stream::input;
 use super::{Outcome, Output};
 use crate::args::rtrace::{Arguments, ends_in};
 use crate::color::{WHITE_EFFICACY, of_pixel, to_pixel};
@@ -73,10 +73,9 @@ pub fn finish(arguments: &Arguments, size: (usize, usize), mut header: Header, r
 
 /// Joins the parts that are named, and writes the whole.
 pub fn merge(arguments: &Arguments) -> Outcome<()> {
-    let input = Input::default();
     let named = arguments.scenes();
     let parts = named.iter().map(|name| {
-        let (name, bytes) = input.read(name)?;
+        let (name, bytes) = input(name)?;
         let planes = Planes::read(&bytes, &name)?;
         Ok((name, planes))
     });

@@ -2,7 +2,7 @@
 
 use super::disk::{Disk, printed};
 use super::stream::file;
-use super::{Console, Input, Outcome};
+use super::{Console, Outcome, input};
 use crate::args::rtrace::{Arguments, Light};
 use crate::args::{self, ViewWords};
 use crate::error::{Error, Result, Source};
@@ -18,23 +18,22 @@ use std::sync::Arc;
 
 /// The name and the bytes of a scene file or octree. A name that begins with `!` is a command that prints one; it was typed, so it may run
 /// unless all are denied.
-pub fn typed(input: &Input, name: &str, resolve: &dyn Resolve) -> Result<(String, Vec<u8>)> {
+pub fn typed(name: &str, resolve: &dyn Resolve) -> Result<(String, Vec<u8>)> {
     match name.strip_prefix('!') {
         Some(_) if resolve.denies() => Err(Error::new(format!("{name}: commands are denied; write ./{name} for a file of this name"))),
         Some(command) => match printed(command)? {
             (bytes, status) if status.success() => Ok((name.into(), bytes)),
             (_, status) => Err(Error::new(format!("command {command}: {status}"))),
         },
-        None => input.read(name),
+        None => input(name),
     }
 }
 
 /// The documents of scene files and octrees.
 pub fn documents(names: &[String], resolve: &dyn Resolve) -> Result<Vec<Document>> {
-    let input = Input::default();
     let mut documents = Vec::new();
     for name in names {
-        let (name, bytes) = typed(&input, name, resolve)?;
+        let (name, bytes) = typed(name, resolve)?;
         if !is_octree(&bytes) {
             documents.push(Document::read(&name, bytes)?);
             continue;

@@ -17,24 +17,17 @@ const INPUT_LIMIT: u64 = 1 << 32;
 /// Links that one name may lead through.
 const LINKS: usize = 40;
 
-/// Inputs by name, where `-` is standard input.
-#[derive(Default)]
-pub struct Input {
-    stdin_taken: AtomicBool,
-}
-
-impl Input {
-    /// The name for messages, and all bytes, of the file `name` or of standard input, which can be read only once.
-    pub fn read(&self, name: impl AsRef<OsStr>) -> Result<(String, Vec<u8>)> {
-        let name = name.as_ref();
-        if name != "-" {
-            return Ok((name.to_string_lossy().into_owned(), file(name)?));
-        }
-        if self.stdin_taken.swap(true, Ordering::Relaxed) {
-            return Err(Error::new("standard input can be read only once; write - for one input only"));
-        }
-        Ok(("<stdin>".into(), all(io::stdin().lock(), "<stdin>")?))
+/// The name for messages, and all bytes, of the file `name`, or for `-` of standard input, which can be read only once.
+pub fn input(name: impl AsRef<OsStr>) -> Result<(String, Vec<u8>)> {
+    static STDIN_TAKEN: AtomicBool = AtomicBool::new(false);
+    let name = name.as_ref();
+    if name != "-" {
+        return Ok((name.to_string_lossy().into_owned(), file(name)?));
     }
+    if STDIN_TAKEN.swap(true, Ordering::Relaxed) {
+        return Err(Error::new("standard input can be read only once; write - for one input only"));
+    }
+    Ok(("<stdin>".into(), all(io::stdin().lock(), "<stdin>")?))
 }
 
 /// A name or a command as the operating system knows it: the bytes that were written, whatever their encoding.
@@ -259,7 +252,7 @@ mod tests {
 
     #[test]
     fn errors_name_the_file_in_plain_words() {
-        assert_eq!(Input::default().read("/no/such").unwrap_err().message, "/no/such: no such file or directory");
+        assert_eq!(input("/no/such").unwrap_err().message, "/no/such: no such file or directory");
         assert!(
             matches!(Output::create(Some(Path::new("/no/such"))), Err(Stop::Failed(e)) if e.message == "/no/such: no such file or directory")
         );

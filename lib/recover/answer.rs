@@ -33,7 +33,8 @@ impl<'a> Answer<'a> {
                 *value = bound;
                 // No number of a material is less than nothing, and nothing lets more light through than there is.
                 let all = bound == 1.0 && COLORS.1.contains(&&p.name[..]) && clear::KINDS.contains(&unknown.material().kind.as_str());
-                let any = dull && ROUGHNESSES.contains(&&p.name[..]);
+                let open = judgement.as_ref().is_some_and(|j| j.standings[i] == Standing::Open);
+                let any = (dull || open) && ROUGHNESSES.contains(&&p.name[..]);
                 if bound != 0.0 && !all && !any {
                     let beyond = "if it may lie beyond, give --param";
                     doubts.push(format!("{} is at its {side} bound {}; {beyond} {0}=START:LOW:HIGH", p.name, Number(bound)));
@@ -97,30 +98,29 @@ impl<'a> Answer<'a> {
         lines
     }
 
-    /// The file with these values, preceded by comment lines: the title's, then its own.
+    /// The file with these values, preceded by comment lines: the title's, its own, and one that says where they end.
     pub fn file(&self, title: &[String]) -> Result<Vec<u8>> {
         let lines = self.lines();
-        let mut bytes = title.iter().chain(&lines).map(|line| format!("# {line}\n")).collect::<String>().into_bytes();
+        let said = title.iter().chain(&lines).map(|line| format!("# {line}\n"));
+        let mut bytes = said.chain([format!("{END}\n")]).collect::<String>().into_bytes();
         let file = self.unknown.document(&self.values)?.bytes();
-        bytes.extend_from_slice(&file[self.told_before(&file)..]);
+        bytes.extend_from_slice(&file[said_before(&file)..]);
         Ok(bytes)
-    }
-
-    /// How many bytes at the beginning of a file say what was found the last time it was looked for.
-    fn told_before(&self, file: &[u8]) -> usize {
-        let is_own = |line: &&[u8]| {
-            let line = String::from_utf8_lossy(line);
-            let mut words = line.split_whitespace();
-            let [hash, name, value] = std::array::from_fn(|_| words.next().unwrap_or_default());
-            let is_value = || self.unknown.parameters().iter().any(|p| p.name == name) && value.parse::<f64>().is_ok();
-            hash == "#" && (OWN.contains(&name) || is_value())
-        };
-        file.split_inclusive(|&b| b == b'\n').take_while(is_own).map(<[u8]>::len).sum()
     }
 }
 
-/// How the lines begin that an answer says, besides values.
-const OWN: [&str; 6] = ["chi2", "loss", "type", "filter", "correlations:", "warning:"];
+/// The line after those that an answer says: what follows is the file's own.
+const END: &str = "# end of what anneal says";
+
+/// How many bytes at the beginning of a file are comments that an answer said before.
+fn said_before(file: &[u8]) -> usize {
+    let lines = file.split_inclusive(|&b| b == b'\n').take_while(|line| line.starts_with(b"#"));
+    let ends = lines.scan(0, |end, line| {
+        *end += line.len();
+        Some((*end, line.trim_ascii_end() == END.as_bytes()))
+    });
+    ends.filter(|(_, last)| *last).map(|(end, _)| end).last().unwrap_or(0)
+}
 
 /// Which standard errors are above a tolerance, if any are.
 pub fn missed(parameters: &[Parameter], errors: &[f64], tolerance: f64) -> Option<String> {

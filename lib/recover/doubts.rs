@@ -107,7 +107,8 @@ pub fn judge(unknown: &Unknown, values: &[f64], known: &Known) -> Judgement {
                 "the chi-squareds that were seen are too few, or too noisy, or say little of it".to_string()
             };
             // Where nothing explains the picture, no other light or view would; nor for what is held by a bound, which is said of it.
-            let held = !dull(pivot) && at_bound(&parameters[pivot], values[pivot], None).is_some_and(|(_, bound)| bound != 0.0);
+            let rough = ROUGHNESSES.contains(&parameters[pivot].name.as_str());
+            let held = !rough && at_bound(&parameters[pivot], values[pivot], None).is_some_and(|(_, bound)| bound != 0.0);
             if !astray && !held {
                 doubts.push(format!("{} is not determined: {why}; {help}", parameters[pivot].name));
             }
@@ -135,7 +136,11 @@ pub fn judge(unknown: &Unknown, values: &[f64], known: &Known) -> Judgement {
             0,
             format!(
                 "whole areas of the picture are {} brighter or darker than any noise explains: the light, {exposure}the shape, the type or a bound may not be those of the photograph{harm}{lost}",
-                if off < ELSEWHERE { format!("{} %", percent(off)) } else { format!("{off:.0} times") }
+                match off {
+                    ..ELSEWHERE => format!("{} %", percent(off)),
+                    ..10.0 => format!("{off:.1} times"),
+                    _ => format!("{off:.0} times"),
+                }
             ),
         );
     }

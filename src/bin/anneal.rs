@@ -9,7 +9,7 @@ use inverad::cli::predict::predict;
 use inverad::cli::recovery::recover;
 use inverad::cli::report;
 use inverad::cli::search::{Objective, Search, Watch};
-use inverad::cli::{self, Answer, Console, Input, Outcome, Output};
+use inverad::cli::{self, Answer, Console, Outcome, Output};
 use inverad::error::Error;
 use std::process::ExitCode;
 
@@ -40,7 +40,7 @@ fn run(arguments: Arguments, console: &Console) -> Outcome<Answer> {
             let mut search = Search::kept(&state)?;
             let chi2 = match chi2 {
                 Some(chi2) => chi2,
-                None => exec::chi2(&String::from_utf8_lossy(&Input::default().read("-")?.1))
+                None => exec::chi2(&String::from_utf8_lossy(&cli::input("-")?.1))
                     .ok_or_else(|| Error::new("tell: no number on standard input; pipe the program into it that prints chi-squared"))?,
             };
             search.hear(chi2, &state)?;

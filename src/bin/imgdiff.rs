@@ -1,7 +1,7 @@
 //! imgdiff: how far one picture is from another.
 
 use inverad::args::imgdiff::{Args, DOF, SCALE};
-use inverad::cli::{self, Answer, Console, Input, Outcome, Output, Stop};
+use inverad::cli::{self, Answer, Console, Outcome, Output, Stop};
 use inverad::error::Result;
 use inverad::metric::{self, Comparison, Measures, Named};
 use inverad::picture::exr::{self, Planes};
@@ -17,11 +17,10 @@ fn run(args: Args, console: &Console) -> Outcome<Answer> {
     let metrics = args.metrics()?;
     let files = [Some(args.common.output()), args.heatmap.as_deref(), args.side_by_side.as_deref()];
     Output::check(files.into_iter().flatten())?;
-    let input = Input::default();
-    let (a, b) = (radiance(&input, &args.a)?, radiance(&input, &args.b)?);
-    let c = args.unbiased.as_ref().map(|name| radiance(&input, name)).transpose()?;
-    let mask = args.mask.as_ref().map(|name| radiance(&input, name)).transpose()?;
-    let variance = args.variance.as_ref().map(|name| variance(&input, name)).transpose()?;
+    let (a, b) = (radiance(&args.a)?, radiance(&args.b)?);
+    let c = args.unbiased.as_ref().map(|name| radiance(name)).transpose()?;
+    let mask = args.mask.as_ref().map(|name| radiance(name)).transpose()?;
+    let variance = args.variance.as_ref().map(|name| variance(name)).transpose()?;
     if a.1.header.primaries().is_some_and(|of_a| b.1.header.primaries().is_some_and(|of_b| of_a != of_b)) {
         console.warn(&format!("{} and {} have different PRIMARIES; their colours are compared as they are", a.0, b.0));
     }
@@ -62,14 +61,14 @@ fn run(args: Args, console: &Console) -> Outcome<Answer> {
     }
 }
 
-fn radiance(input: &Input, name: &str) -> Result<(String, Picture)> {
-    let (name, bytes) = input.read(name)?;
+fn radiance(name: &str) -> Result<(String, Picture)> {
+    let (name, bytes) = cli::input(name)?;
     Ok((name.clone(), Picture::read(&bytes, &name)?.into_radiance()))
 }
 
 /// Variances: the planes of that name, or the picture itself; as stored.
-fn variance(input: &Input, name: &str) -> Result<(String, Picture)> {
-    let (name, bytes) = input.read(name)?;
+fn variance(name: &str) -> Result<(String, Picture)> {
+    let (name, bytes) = cli::input(name)?;
     if bytes.starts_with(&exr::MAGIC) {
         let planes = Planes::read(&bytes, &name)?;
         let what = if planes.plane("variance.R").is_some() { "variance" } else { "" };

@@ -2,7 +2,7 @@
 
 use inverad::args::rparse::Args;
 use inverad::check::{Problems, check, glance};
-use inverad::cli::{self, Answer, Console, Disk, Input, Outcome, Output};
+use inverad::cli::{self, Answer, Console, Disk, Outcome, Output};
 use inverad::error::{Error, Source};
 use inverad::expand::{Flat, expand, expand_all_errors};
 use inverad::import::is_octree;
@@ -21,11 +21,10 @@ fn main() -> ExitCode {
 }
 
 fn run(args: Args, console: &Console) -> Outcome<Answer> {
-    let input = Input::default();
     let disk = Disk::new(args.scenes.commands, console);
     let mut sources = Vec::new();
     for name in &args.files {
-        let (name, bytes) = cli::typed(&input, name, &disk)?;
+        let (name, bytes) = cli::typed(name, &disk)?;
         if is_octree(&bytes) {
             let remedy = "rtrace-rs reads it; give rparse the scene files that it was made from";
             return Err(Error::new(format!("{name}: this is an octree, not a scene file: {remedy}")).into());
