@@ -188,9 +188,9 @@ impl Recovery {
         scores::farther_off_but_one(&self.losses, &other.losses)
     }
 
-    /// How far all its pixels are off.
+    /// How far all its pixels are off: none by more than as if it were black, or noise would make a pixel or two all there is.
     fn loss(&self) -> f64 {
-        self.losses.iter().map(|(_, loss)| loss).sum()
+        self.losses.iter().map(|(_, loss)| loss.clamp(-1.0, 1.0)).sum()
     }
 
     /// What is known of the errors of the values.
@@ -223,12 +223,19 @@ impl Evidence<'_> {
             self.counts(*n)
                 && if self.world.has_field() { corners().all(|at| self.shows(*n, at, material)) } else { self.touches(*n, material) }
         };
-        let (width, all) = (self.film.width, self.film.width * self.film.height);
-        let part = |n: usize| mix64(tile(n, width, TILE) as u64) % parts as u64;
+        let Film { width, height, .. } = *self.film;
+        let mut tiles = vec![vec![]; parts];
+        for (row, column) in (0..height.div_ceil(TILE)).flat_map(|row| (0..width.div_ceil(TILE)).map(move |column| (row, column))) {
+            tiles[(mix64((row * width + column) as u64) % parts as u64) as usize].push([row, column].map(|at| TILE * at));
+        }
+        let within = |[top, left]: [usize; 2]| {
+            let columns = left..(left + TILE).min(width);
+            (top..(top + TILE).min(height)).flat_map(move |y| columns.clone().map(move |x| y * width + x))
+        };
         let mut pixels = Vec::new();
-        for next in 0..parts as u64 {
+        for part in tiles {
             if pixels.len() < ENOUGH {
-                pixels.par_extend((0..all).into_par_iter().filter(|&n| part(n) == next).filter(shown));
+                pixels.par_extend(part.into_par_iter().flat_map_iter(within).filter(shown));
             }
         }
         pixels.sort_unstable();
@@ -239,7 +246,7 @@ impl Evidence<'_> {
             )));
         }
         match self.target.infinite(pixels.iter().copied()) {
-            Some(wrong) => Err(Error::new(format!("the picture's {wrong}; leave them out with --mask"))),
+            Some(wrong) => Err(Error::new(format!("the picture's {wrong}; leave such out with --mask"))),
             None => Ok(pixels),
         }
     }

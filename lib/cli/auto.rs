@@ -2,10 +2,11 @@
 
 use super::kept::{Asked, Kept};
 use super::photo::Photo;
-use super::{Console, Input, Outcome};
+use super::{Console, Outcome, input};
 use crate::args::anneal::{AUTO, Arguments};
 use crate::error::{Error, Result};
 use crate::rad::Document;
+use crate::recover::model::Kind;
 use crate::recover::saturated::apart;
 use crate::recover::types::{SAMPLES, Sample, Trial, choose};
 use crate::recover::{Effort, Evidence, Recovery, recover};
@@ -31,7 +32,7 @@ pub struct Taken<'a> {
 
 /// START.rad as it is, and what is wished of its material.
 fn read(start: &str, arguments: &Arguments) -> Outcome<(Document, Wishes)> {
-    let (name, bytes) = Input::default().read(start)?;
+    let (name, bytes) = input(start)?;
     Ok((Document::read(&name, bytes)?, arguments.wishes()))
 }
 
@@ -83,7 +84,7 @@ pub fn take<'a>(start: &str, target: &str, effort: Effort, arguments: &Arguments
             let otherwise = photo.otherwise()?;
             let evidence = Evidence { mask: Some(&sample.mask), otherwise: otherwise.as_ref(), ..photo.evidence() };
             let tell = |so_far: &str| console.progress(|| format!("{}: {so_far}", unknown.material().kind));
-            let effort = Effort { around: around.get(i).map(Vec::as_slice), ..effort };
+            let effort = Effort { around: around.get(i).and_then(|values| near(unknown, values)), ..effort };
             trials.push(Trial::new(unknown, recover(&evidence, unknown, photo.material(), effort, &tell)?));
         }
         let values: Vec<Vec<f64>> = trials.iter().map(|trial| trial.recovery.values.clone()).collect();
@@ -92,16 +93,21 @@ pub fn take<'a>(start: &str, target: &str, effort: Effort, arguments: &Arguments
     let [few, more] = SAMPLES;
     let (mut verdict, mut values) = compare(&unknowns, &[], few)?;
     if !verdict.sure && pixels.len() > few {
-        // More pixels tell what is near the values that a few have found.
         let left = unknowns.into_iter().zip(values).zip(&verdict.rivals).filter(|(_, (_, rival))| !rival.is_out());
         (unknowns, values) = left.map(|(left, _)| left).unzip();
         let out: Vec<_> = verdict.rivals.into_iter().filter(|(_, rival)| rival.is_out()).collect();
         (verdict, values) = compare(&unknowns, &values, more)?;
         verdict.rivals.extend(out);
     }
-    photo.take_for(unknowns.swap_remove(verdict.chosen))?;
-    let around = Some(values.swap_remove(verdict.chosen));
+    let (unknown, values) = (unknowns.swap_remove(verdict.chosen), values.swap_remove(verdict.chosen));
+    let around = near(&unknown, &values).map(<[f64]>::to_vec);
+    photo.take_for(unknown)?;
     Ok(Taken { photo, title: vec![verdict.title()], doubts: verdict.doubts(), around, asked, found: None })
+}
+
+/// About where values are that a few pixels have found. An index is, and takes long to find; a lobe is sought anew, since those few may miss a highlight.
+fn near<'v>(unknown: &Unknown, values: &'v [f64]) -> Option<&'v [f64]> {
+    Kind::named(&unknown.material().kind).is_none().then_some(values)
 }
 
 /// What `--state` keeps of what is asked, and which of the unknowns it is of.

@@ -2,21 +2,25 @@
 
 use super::remarks::{elsewhere, near_lamps, remarks};
 use super::search::Objective;
-use super::stream::Input;
+use super::stream::input;
 use super::{Console, Disk, Outcome, scene};
+use crate::anneal::Parameter;
 use crate::anneal::linear::Symmetric;
 use crate::args::anneal::{Arguments, Sharpness};
 use crate::color::Rgb;
 use crate::error::{Error, Result};
 use crate::expand::{Flat, expand};
+use crate::material::{FRESNEL_FROM, PURE};
 use crate::metric::{self, Loss, Named};
 use crate::picture::{Header, Picture, shrunk};
 use crate::rad::{Class, Document, Number, Primitive};
 use crate::recover::exposure::exposed;
+use crate::recover::model::{Kind, SPECULARITY};
 use crate::recover::{Evidence, Recovery, otherwise, saturated};
 use crate::render::{Film, Filter};
 use crate::report::{Setting, Views};
 use crate::rules::Rules;
+use crate::rules::rendered::fresnel;
 use crate::scene::{MaterialId, Reading, Scene};
 use crate::unknown::Unknown;
 use crate::view::View;
@@ -52,10 +56,9 @@ impl<'a> Photo<'a> {
     /// The photograph `target` of the scene that the arguments name, with the unknown in it; without one, what could be photographed there.
     pub fn new(unknown: &Unknown, target: Option<&str>, arguments: &Arguments, console: &'a Console) -> Outcome<Self> {
         let photo = &arguments.photo;
-        let input = Input::default();
         let disk = Disk::new(arguments.scene_options.commands, console);
         let read = |name: &str| -> Result<(String, Picture)> {
-            let (name, bytes) = input.read(name)?;
+            let (name, bytes) = input(name)?;
             disk.count(&name, &bytes);
             Ok((name.clone(), Picture::read(&bytes, &name)?))
         };
@@ -125,7 +128,8 @@ impl<'a> Photo<'a> {
             return Err(Error::new(format!("the scene has no light, so that every rendering is black: {remedy}")).into());
         }
         let world = surveyed(scene, &rules, material, &film)?;
-        near_lamps(&target, &film, &world, material, &rules).iter().for_each(|remark| console.warn(remark));
+        let is_trans = unknown.material().kind.starts_with("trans");
+        near_lamps(&target, &film, &world, material, &rules, is_trans).iter().for_each(|remark| console.warn(remark));
         Ok(Self {
             digest: disk.digest(),
             unknown: unknown.clone(),
@@ -222,6 +226,14 @@ impl<'a> Photo<'a> {
         by(&self.world).map_or(Ok(None), |_| Ok(by(&self.setting().world(&self.unknown.reals(&found.values))?)))
     }
 
+    /// What is to be said of what was found where it is polished.
+    pub fn polished(&self, found: &Recovery) -> Option<String> {
+        let reals = self.unknown.reals(&found.values);
+        let kind = Kind::named(&self.unknown.material().kind).filter(|kind| !kind.anisotropic)?;
+        let polished = reals[kind.roughnesses().start].abs() <= PURE && reals[SPECULARITY] >= FRESNEL_FROM;
+        polished.then(|| fresnel(self.target.header.lines.iter().map(String::as_str), &self.rules)).flatten()
+    }
+
     /// What is to be said of pixels that were left out as they seem saturated, if by what was found most of them should be brighter.
     pub fn saturated(&self, found: &Recovery) -> Result<Option<String>> {
         if found.saturated.is_empty() {
@@ -304,11 +316,11 @@ impl<'p, 'a> Direct<'p, 'a> {
 
     /// What `of` makes of each channel of each pixel of a rendering with these values: of how much the pixel counts, of what it is in the picture and in
     /// the rendering, and of the variance of that.
-    fn compared(&self, values: &[f64], of: impl Fn(f64, f64, f64, f64) -> f64) -> Result<Vec<f64>> {
+    fn compared(&self, values: &[f64], seed: u64, of: impl Fn(f64, f64, f64, f64) -> f64) -> Result<Vec<f64>> {
         let photo = self.photo;
         let exposure = Rgb::from(photo.unknown.exposures(values));
         let world = photo.setting().world(&photo.unknown.reals(values))?;
-        let rendering = photo.evidence().rendered(&world, &self.pixels, photo.seed);
+        let rendering = photo.evidence().rendered(&world, &self.pixels, seed);
         let each = rendering.pixels.iter().zip(&self.pixels).flat_map(|(pixel, &number)| {
             let (target, seen) = (photo.target.pixels[number], exposure * pixel.mean());
             let variance = exposure * exposure * pixel.variance().0;
@@ -320,13 +332,26 @@ impl<'p, 'a> Direct<'p, 'a> {
 
     /// How far a rendering with these values is from the picture.
     fn judged(&self, values: &[f64], loss: Loss) -> Result<f64> {
-        let each = self.compared(values, |weight, target, seen, variance| weight * loss.of(target, seen, variance, self.average))?;
+        let each = self
+            .compared(values, self.photo.seed, |weight, target, seen, variance| weight * loss.of(target, seen, variance, self.average))?;
         Ok(each.iter().sum())
     }
 
     /// What the squares are of, whose sum it makes small.
-    fn rests(&self, values: &[f64]) -> Result<Vec<f64>> {
-        self.compared(values, |weight, target, seen, _| weight.sqrt() * self.loss.rest(target, seen, self.average))
+    fn rests(&self, values: &[f64], seed: u64) -> Result<Vec<f64>> {
+        self.compared(values, seed, |weight, target, seen, _| weight.sqrt() * self.loss.rest(target, seen, self.average))
+    }
+
+    /// How they change with each value.
+    fn derivatives(&self, values: &[f64], seed: u64) -> Result<Vec<Vec<f64>>> {
+        let parameters = self.photo.unknown.parameters().iter().enumerate();
+        let derivative = |(i, parameter): (usize, &Parameter)| {
+            let at = |value: f64| self.rests(&[&values[..i], &[value], &values[i + 1..]].concat(), seed);
+            let step = STEP * parameter.range();
+            let (low, high) = ((values[i] - step).max(parameter.low), (values[i] + step).min(parameter.high));
+            Ok(at(high)?.iter().zip(at(low)?).map(|(above, below)| (above - below) / (high - low)).collect())
+        };
+        parameters.map(derivative).collect()
     }
 }
 
@@ -340,28 +365,25 @@ impl Objective for Direct<'_, '_> {
     }
 
     /// By the residuals of the pixels, which hold the noise of the picture and that of the renderings, the same in all (White 1980; the bounds
-    /// say what the pixels do not).
+    /// say what the pixels do not). What renderings of other noise do not confirm of a derivative tells nothing; and where they lead to, the values
+    /// may as well be.
     fn covariance(&self, values: &[f64]) -> Result<Option<Symmetric>> {
-        let parameters = self.photo.unknown.parameters();
-        let rests = self.rests(values)?;
-        let mut derivatives = Vec::new();
-        for (i, parameter) in parameters.iter().enumerate() {
-            let at = |value: f64| self.rests(&[&values[..i], &[value], &values[i + 1..]].concat());
-            let step = STEP * parameter.range();
-            let (low, high) = ((values[i] - step).max(parameter.low), (values[i] + step).min(parameter.high));
-            let change: Vec<f64> =
-                at(high)?.iter().zip(at(low)?).map(|(high_rest, low_rest)| (high_rest - low_rest) / (high - low)).collect();
-            derivatives.push(change);
-        }
-        let product = |i: usize, j: usize, each: &dyn Fn(usize) -> f64| {
-            let (a, b) = (&derivatives[i], &derivatives[j]);
-            a.iter().zip(b).enumerate().map(|(k, (a, b))| a * b * each(k)).sum::<f64>()
-        };
+        let (parameters, seed) = (self.photo.unknown.parameters(), self.photo.seed);
+        let [rests, other_rests] = [self.rests(values, seed)?, self.rests(values, !seed)?];
+        let [slopes, other_slopes] = [self.derivatives(values, seed)?, self.derivatives(values, !seed)?];
         let square = rests.iter().map(|rest| rest * rest).sum::<f64>() / rests.len() as f64;
         let prior = |i: usize, j: usize| if i == j { square / parameters[i].anywhere().powi(2) } else { 0.0 };
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let n = parameters.len();
-        let squares = Symmetric::of(n, |i, j| square * prior(i, j) + product(i, j, &|k| rests[k] * rests[k]));
-        let inverse = Symmetric::of(n, |i, j| prior(i, j) + product(i, j, &|_| 1.0)).inverse();
-        Ok(inverse.map(|inverse| inverse.around(&squares)))
+        let pulls: Vec<Vec<f64>> = slopes.iter().map(|slope| slope.iter().zip(&rests).map(|(a, b)| a * b).collect()).collect();
+        let squares = Symmetric::of(n, |i, j| square * prior(i, j) + dot(&pulls[i], &pulls[j]));
+        let crossed = |i: usize, j: usize| 0.5 * (dot(&slopes[i], &other_slopes[j]) + dot(&other_slopes[i], &slopes[j]));
+        let known = |inverse: Symmetric| {
+            let scores: Vec<f64> = (0..n).map(|i| 0.5 * (dot(&slopes[i], &other_rests) + dot(&other_slopes[i], &rests))).collect();
+            let (errors, way) = (inverse.around(&squares), inverse.times(&scores));
+            Symmetric::of(n, |i, j| errors.at(i, j) + way[i] * way[j])
+        };
+        let nothing = || Symmetric::diagonal(&parameters.iter().map(|p| p.anywhere().powi(2)).collect::<Vec<_>>());
+        Ok(Some(Symmetric::of(n, |i, j| prior(i, j) + crossed(i, j)).inverse().map_or_else(nothing, known)))
     }
 }

@@ -39,7 +39,7 @@ pub fn remarks(name: &str, target: &Picture, film: &Film, unknown: &Unknown, typ
 }
 
 /// Of lamps near something unknown, in a picture on a film.
-pub fn near_lamps(target: &Picture, film: &Film, world: &World, unknown: MaterialId, rules: &Rules) -> Option<String> {
+pub fn near_lamps(target: &Picture, film: &Film, world: &World, unknown: MaterialId, rules: &Rules, is_trans: bool) -> Option<String> {
     let large = || {
         let points: Vec<Vec3> = film.some_rays().filter_map(|ray| Some(world.behind(&ray, unknown)?.origin)).collect();
         let mut large = [0.0f64; 2];
@@ -50,7 +50,7 @@ pub fn near_lamps(target: &Picture, film: &Film, world: &World, unknown: Materia
         }
         large
     };
-    lamps(target.header.lines.iter().map(String::as_str), rules, large)
+    lamps(target.header.lines.iter().map(String::as_str), rules, is_trans, large)
 }
 
 /// Of pixels that are not of the shape that the header says, by more than rounding rows or columns makes.

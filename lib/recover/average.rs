@@ -87,7 +87,7 @@ impl Look<'_> {
     /// What was found; averaged, if some of its values are in doubt.
     pub fn averaged(&self, looked: Looked, sheet: &Sheet, model: &dyn Model, basis: &Basis) -> Looked {
         let Looked { mut found, aside } = looked;
-        let range = Range { axes: model.doubtful(&found.clarity) };
+        let range = Range { axes: model.doubtful(&found) };
         if range.axes.is_empty() {
             return Looked { found, aside };
         }
@@ -108,7 +108,7 @@ impl Look<'_> {
             range.values(i).for_each(|(slot, value)| values[slot] = value);
             let mut best = scores(&values);
             for _ in 0..STEPS {
-                let Some(step) = best.step() else { break };
+                let Some(step) = best.step_within(self.bounds) else { break };
                 values.iter_mut().zip(&step).zip(self.bounds).for_each(|((v, s), b)| *v = (*v + s).clamp(b.0, b.1));
                 best = scores(&values);
             }

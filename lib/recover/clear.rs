@@ -12,7 +12,7 @@ use super::{Effort, Evidence, Recovery, Seeds};
 use crate::anneal::anywhere;
 use crate::anneal::linear::Symmetric;
 use crate::color::Rgb;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::geometry::Ray;
 use crate::material::{GLASS_INDEX, hartmann};
 use crate::scene::MaterialId;
@@ -27,6 +27,8 @@ pub const KINDS: [&str; 2] = ["dielectric", "glass"];
 
 /// The smallest index that is looked at: less bends light no further.
 const LEAST_INDEX: f64 = 0.2;
+/// The most that an index is sought to.
+const MOST_INDEX: f64 = 10.0;
 /// The least that roulette takes a transmissivity for.
 const DARKEST: f64 = 1e-3;
 
@@ -125,7 +127,7 @@ impl Model for Stage<'_> {
         values
     }
 
-    fn doubtful(&self, _: &[f64]) -> Vec<(usize, Vec<f64>)> {
+    fn doubtful(&self, _: &Recovery) -> Vec<(usize, Vec<f64>)> {
         vec![]
     }
 
@@ -280,6 +282,11 @@ fn looked(
     let slot = slot(unknown);
     let fixed = index(unknown, &unknown.start());
     let (low, high) = slot.map_or((fixed, fixed), |i| (parameters[i].low.max(LEAST_INDEX), parameters[i].high.max(LEAST_INDEX)));
+    if slot.is_some() && high > MOST_INDEX {
+        return Err(Error::new(format!(
+            "an index of refraction is sought up to {MOST_INDEX}; give it nearer bounds: --param ior=1.5:1:2.5"
+        )));
+    }
     let bounds: Vec<(f64, f64)> =
         parameters.iter().enumerate().map(|(i, p)| if Some(i) == slot { (low, high) } else { (p.low, p.high) }).collect();
 

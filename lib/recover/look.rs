@@ -32,9 +32,9 @@ pub trait Model: Sync {
     /// The nearest values at which the model can be trusted.
     fn trusted(&self, values: &[f64]) -> Vec<f64>;
 
-    /// The parameters whose derivatives are so much noise that their standard errors say little: the place of each, and all values that it may
-    /// have, rising, as far as the model goes.
-    fn doubtful(&self, clarity: &[f64]) -> Vec<(usize, Vec<f64>)>;
+    /// The parameters whose standard errors say little, their derivatives being so much noise, or that of another value being by one of all that they
+    /// may be: the place of each, and all values that it may have, rising, as far as the model goes.
+    fn doubtful(&self, found: &Recovery) -> Vec<(usize, Vec<f64>)>;
 
     /// How much each pixel tells of what is to be known, as far as that can be foreseen; a seed fixes what is left to chance.
     fn telling(&self, pixels: &[usize], seed: u64) -> Option<Vec<f64>>;

@@ -35,13 +35,16 @@ impl Kind {
     }
 }
 
+/// The place of the specularity among the real arguments.
+pub const SPECULARITY: usize = 3;
+
 /// The coefficients of the four parts for the real arguments `a`, each for red, green and blue (the partition of what is not
 /// absorbed).
 pub fn parts(kind: Kind, a: &[f64]) -> [[f64; 3]; 4] {
     let at = kind.roughnesses().end;
     let (specular, transmission, through) = match kind.transmits {
-        true => (a[3], a[at] * (1.0 - a[3]), a[at + 1]),
-        false => (a[3], 0.0, 0.0),
+        true => (a[SPECULARITY], a[at] * (1.0 - a[SPECULARITY]), a[at + 1]),
+        false => (a[SPECULARITY], 0.0, 0.0),
     };
     let colored = |share: f64| [a[0] * share, a[1] * share, a[2] * share];
     [

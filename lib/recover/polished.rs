@@ -2,7 +2,7 @@
 //! which no lobe becomes, however narrow.
 
 use super::doubts::{Standing, judge};
-use super::model::Kind;
+use super::model::{Kind, SPECULARITY};
 use super::rough::{self, SMOOTHEST, Sought};
 use super::sheet::COMMON;
 use super::{Effort, Evidence, Recovery};
@@ -19,8 +19,7 @@ const ROUGH: f64 = 0.02;
 /// By how many standard errors pixels must be farther from a mirror than from a lobe that seems smooth, which has a roughness more to fit them with.
 const FARTHER: f64 = 1.0;
 
-/// The places of specularity and roughness among the real arguments.
-const SPECULARITY: usize = 3;
+/// The place of the roughness among the real arguments.
 const ROUGHNESS: usize = 4;
 
 /// The real arguments of trans that is polished, if it does not start so, or rough, if it does; `None` where it cannot be otherwise than it starts.
@@ -57,8 +56,9 @@ pub fn recover(sought: &Sought, effort: Effort, tell: &dyn Fn(&str)) -> Result<R
     // as a quick look has been.
     let lobe = if effort.quick { found.clone() } else { sought.glance(effort, &found.values) };
     let seen = mirror.glance(effort, &near);
-    if seen.excess_but_one(&lobe) < if likely { FARTHER } else { -SURE } {
-        let whole = |found: Recovery| if let Some(slot) = slot { with_roughness(found, slot, &lobe) } else { found };
+    let excess = seen.excess_but_one(&lobe);
+    if excess < if likely { FARTHER } else { -SURE } {
+        let whole = |found: Recovery| if let Some(slot) = slot { with_roughness(found, slot, &lobe, excess) } else { found };
         let told = |found: &Recovery| (effort.told)(&whole(found.clone()));
         // Light that meets it more often than products tell is that of the values it is looked at with, which those of a lobe are not: of a ball that
         // light goes through, colours came out .3 to .8 % too bright, which tells no type from another.
@@ -115,9 +115,11 @@ impl Mirror {
     }
 }
 
-/// What was found of a mirror, with a roughness among its values: any up to [`PURE`]. Errors that pixels have in common may make one of a lobe,
-/// and move it as far as that one's.
-fn with_roughness(found: Recovery, slot: usize, lobe: &Recovery) -> Recovery {
+/// What was found of a mirror, with a roughness among its values: any up to [`PURE`], or that of the lobe, as likely as that is where pixels are by
+/// `excess` standard errors farther from the mirror. Errors that pixels have in common may make one of a lobe, and move it as far as that one's.
+fn with_roughness(found: Recovery, slot: usize, lobe: &Recovery, excess: f64) -> Recovery {
+    let likely = (-0.5 * excess.min(0.0).powi(2)).exp();
+    let variance = PURE * PURE / 3.0 + likely * (lobe.values[slot].powi(2) + lobe.covariance.at(slot, slot));
     let with = |matrix: &Symmetric, own: f64| {
         let place = |i: usize| if i < slot { Some(i) } else { i.checked_sub(1).filter(|i| *i >= slot) };
         Symmetric::of(matrix.size() + 1, |i, j| match (place(i), place(j)) {
@@ -127,7 +129,7 @@ fn with_roughness(found: Recovery, slot: usize, lobe: &Recovery) -> Recovery {
         })
     };
     let (covariance, own, common) =
-        (with(&found.covariance, PURE * PURE / 3.0), with(&found.own, 0.0), with(&found.common, lobe.common.at(slot, slot)));
+        (with(&found.covariance, variance), with(&found.own, 0.0), with(&found.common, lobe.common.at(slot, slot)));
     let inserted = |values: &[f64], value: f64| [&values[..slot], &[value], &values[slot..]].concat();
     let (values, clarity) = (inserted(&found.values, 0.0), inserted(&found.clarity, 1.0));
     Recovery { values, clarity, covariance, own, common, ..found }

@@ -4,7 +4,7 @@ use super::fit::{Point, Problem, Valley};
 use super::foresight::telling;
 use super::gram::Gram;
 use super::look::{Look, Model};
-use super::model::{Grid, Kind, alphas, coefficients, exposed, parts};
+use super::model::{Grid, Kind, SPECULARITY, alphas, coefficients, exposed, parts};
 use super::seen::{First, scattered};
 use super::sheet::Sheet;
 use super::{Effort, Evidence, Recovery, Seeds};
@@ -37,9 +37,13 @@ const WIDE_PROPOSALS: usize = 5;
 const DOUBTFUL: f64 = 0.2;
 const HELD: f64 = 0.4;
 
-/// Where they do not, all roughnesses are looked at once more: the most pixels, and the samples of all of them in each half.
+/// The standard errors that a specularity may be for there to be none, perhaps.
+const FAINT: f64 = 2.0;
+
+/// Where they do not, all roughnesses are looked at once more: the most pixels, and the samples of all of them in each half, where the derivatives are
+/// mostly noise and where there is next to nothing specular.
 const LAST_PIXELS: usize = 2000;
-const LAST_SAMPLES: usize = 400_000;
+const LAST_SAMPLES: [usize; 2] = [400_000, 100_000];
 
 /// Evaluations of the annealing.
 const STEPS: usize = 2000;
@@ -145,6 +149,17 @@ impl<'a> Stage<'a> {
         self.kind.polished || self.middle[0].max(self.middle[1]) < SHARP
     }
 
+    /// Whether there may be no specular light at all. How much there may be depends then on the roughness that is looked at.
+    fn faint(&self, found: &Recovery) -> bool {
+        let errors = found.errors();
+        let none = |argument: usize| match self.unknown.slots()[argument] {
+            Some(slot) => found.values[slot] <= FAINT * errors[slot],
+            None => self.unknown.material().reals[argument] == 0.0,
+        };
+        let through = self.kind.roughnesses().end;
+        none(SPECULARITY) && (!self.kind.transmits || none(through) || none(through + 1))
+    }
+
     /// The axes whose roughness is unknown, and its place among the parameters; one axis where both have the same.
     fn axes(&self) -> impl Iterator<Item = (usize, usize)> {
         let [u, v] = slots(self.kind, self.unknown);
@@ -213,8 +228,9 @@ impl Model for Stage<'_> {
         values
     }
 
-    fn doubtful(&self, clarity: &[f64]) -> Vec<(usize, Vec<f64>)> {
-        let doubtful = self.axes().filter(|(_, slot)| clarity[*slot] < DOUBTFUL);
+    fn doubtful(&self, found: &Recovery) -> Vec<(usize, Vec<f64>)> {
+        let faint = self.faint(found);
+        let doubtful = self.axes().filter(|(_, slot)| faint || found.clarity[*slot] < DOUBTFUL);
         doubtful.map(|(axis, slot)| (slot, self.grid[axis].clone())).collect()
     }
 
@@ -344,7 +360,7 @@ pub fn recover(sought: &Sought, effort: Effort, enough: &dyn Fn(&Recovery) -> bo
         if late() || found.amiss().is_some() || enough(found) {
             return Ok(looked.found);
         }
-        let (doubtful, strayed) = (stage.doubtful(&found.clarity), !stage.holds(found));
+        let (doubtful, strayed) = (stage.doubtful(found), !stage.holds(found));
         if strayed && another() && (look < LOST || doubtful.is_empty()) {
             best.clone_from(&found.values);
             continue;
@@ -355,9 +371,10 @@ pub fn recover(sought: &Sought, effort: Effort, enough: &dyn Fn(&Recovery) -> bo
         }
         tell("last look");
         let sheet = some(LAST_PIXELS);
+        let faint = stage.faint(found);
         let mut stage = wide();
         stage.know(&found.values, true);
-        let basis = stage.trace_all(sheet.numbers, (LAST_SAMPLES / sheet.numbers.len()) as u32, seeds.next());
+        let basis = stage.trace_all(sheet.numbers, (LAST_SAMPLES[faint as usize] / sheet.numbers.len()) as u32, seeds.next());
         return Ok(closer.averaged(looked, &sheet, &stage, &basis).found);
     }
     unreachable!()

@@ -68,7 +68,10 @@ pub struct Scores<'a> {
     pub here: Evaluation,
     /// How far each derivative is to be trusted at each pixel.
     trust: Vec<Vec<f64>>,
-    /// What takes scores to steps: nearly the inverse of the matrix that takes values to scores. `None` if the pixels do not determine the values.
+    /// How χ² curves by each pair of values, and how each score changes with each value.
+    curvature: Symmetric,
+    slopes: Vec<Vec<f64>>,
+    /// What takes scores to steps: nearly the inverse of the slopes. `None` if the pixels do not determine the values.
     inverse: Option<Vec<Vec<f64>>>,
     /// What is known before of each parameter: one over [`anywhere`].
     prior: Vec<f64>,
@@ -84,19 +87,18 @@ impl<'a> Scores<'a> {
         let (derivatives, free) = (&here.derivatives, weights.free());
         let mut curvature = products(&free, derivatives, |_, _| 0.0).1;
         let trust = derivatives.par_iter().with_max_len(1).map(|d| trust(sheet, &weights.halves, d)).collect();
-        let prior = bounds.iter().map(|b| anywhere(*b).powi(2).max(f64::MIN_POSITIVE).recip()).collect();
+        let prior: Vec<f64> = bounds.iter().map(|b| anywhere(*b).powi(2).max(f64::MIN_POSITIVE).recip()).collect();
         let n = derivatives.len();
         let unknown = Symmetric::diagonal(&vec![f64::INFINITY; n]);
         let (covariance, own) = (unknown.clone(), unknown);
-        let mut scores = Self { sheet, weights, here, trust, inverse: None, prior, covariance, own };
-        let mut slopes = scores.slopes(&free);
-        for i in 0..n {
-            slopes[i][i] += scores.prior[i];
-            curvature.set(i, i, curvature.at(i, i) + scores.prior[i]);
+        for (i, prior) in prior.iter().enumerate() {
+            curvature.set(i, i, curvature.at(i, i) + prior);
         }
-        scores.inverse = curvature.inverse().map(|forward| landweber(&forward, &slopes));
+        let mut scores = Self { sheet, weights, here, trust, curvature, slopes: vec![], inverse: None, prior, covariance, own };
+        scores.slopes = scores.slopes(&free);
+        scores.inverse = scores.inverse_of(&(0..n).collect::<Vec<_>>());
         if let Some(inverse) = &scores.inverse {
-            let reached = reached(inverse, &slopes);
+            let reached = reached(inverse, &scores.slopes);
             let whole = |covariance: &Symmetric| Symmetric::of(n, |i, j| covariance.at(i, j) / (reached[i] * reached[j]));
             let (covariance, own) = scores.covariances(inverse);
             (scores.covariance, scores.own) = (whole(&covariance), whole(&own));
@@ -113,7 +115,16 @@ impl<'a> Scores<'a> {
         let sums = total(self.pixels(), n * n, |p, sums| {
             sums.iter_mut().enumerate().for_each(|(k, sum)| *sum += self.trust[k / n][p] * both(k / n, k % n, p));
         });
-        sums.chunks(n.max(1)).map(<[f64]>::to_vec).collect()
+        let mut slopes: Vec<Vec<f64>> = sums.chunks(n.max(1)).map(<[f64]>::to_vec).collect();
+        self.prior.iter().enumerate().for_each(|(i, prior)| slopes[i][i] += prior);
+        slopes
+    }
+
+    /// What takes the scores of some parameters to their steps, while all others stay.
+    fn inverse_of(&self, free: &[usize]) -> Option<Vec<Vec<f64>>> {
+        let forward = Symmetric::of(free.len(), |i, j| self.curvature.at(free[i], free[j])).inverse()?;
+        let slopes: Vec<Vec<f64>> = free.iter().map(|&i| free.iter().map(|&j| self.slopes[i][j]).collect()).collect();
+        Some(landweber(&forward, &slopes))
     }
 
     fn pixels(&self) -> usize {
@@ -146,6 +157,21 @@ impl<'a> Scores<'a> {
         self.inverse.as_ref().map(|inverse| times(inverse, &self.scores()))
     }
 
+    /// The same for values that stay inside their bounds: what is at one and would go beyond is held there, and the others go where that is best.
+    pub fn step_within(&self, bounds: &[(f64, f64)]) -> Option<Vec<f64>> {
+        let (scores, values) = (self.scores(), &self.here.values);
+        let mut step = times(self.inverse.as_ref()?, &scores);
+        let beyond = |i: usize, step: f64| step < 0.0 && values[i] <= bounds[i].0 || step > 0.0 && values[i] >= bounds[i].1;
+        let mut free: Vec<usize> = (0..step.len()).collect();
+        while free.iter().any(|&i| beyond(i, step[i])) {
+            free.retain(|&i| !beyond(i, step[i]));
+            let asked: Vec<f64> = free.iter().map(|&i| scores[i]).collect();
+            step.fill(0.0);
+            times(&self.inverse_of(&free)?, &asked).into_iter().zip(&free).for_each(|(s, &i)| step[i] = s);
+        }
+        Some(step)
+    }
+
     /// The score of each parameter.
     fn scores(&self) -> Vec<f64> {
         total(self.pixels(), self.here.derivatives.len(), |p, sums| {
@@ -174,7 +200,8 @@ impl<'a> Scores<'a> {
         // As many pixels that tell it alike would have the same sums.
         let tell = |i: usize| (told[i] * told[i] / told[n + i].max(f64::MIN_POSITIVE)).max(1.0);
         let most: Vec<f64> = errors.iter().enumerate().map(|(i, error)| error * most.max(FEW / tell(i).sqrt())).collect();
-        let pulls: Vec<f64> = (0..self.pixels()).into_par_iter().map(|p| length(&self.pull(inverse, p), &most)).collect();
+        let pull = |p: usize| length(&self.pull(inverse, p), &most).max(self.noise(p) / MOST_NOISE);
+        let pulls: Vec<f64> = (0..self.pixels()).into_par_iter().map(pull).collect();
         let part = |pull: &f64| if *pull > SLACK { 1.0 / *pull as f32 } else { 1.0 };
         let lighter = |half: &Channels| half.iter().zip(&pulls).map(|(w, pull)| w.map(|w| w * part(pull))).collect();
         let kept = self.weights.kept.iter().zip(&pulls).map(|(kept, pull)| kept * part(pull)).collect();
@@ -183,6 +210,15 @@ impl<'a> Scores<'a> {
             kept,
             rounded: self.weights.rounded.clone(),
         })
+    }
+
+    /// The largest part that the noise of a pixel's derivative makes of how χ² curves by a value, where it is more than what both halves confirm.
+    fn noise(&self, p: usize) -> f64 {
+        let part = |(i, d): (usize, &Vec<Half>)| {
+            let [common, whole] = agreement(&self.weights.halves, p, |half, c| d[half][p][c]);
+            if whole > 2.0 * common { (whole - common) / self.curvature.at(i, i) } else { 0.0 }
+        };
+        self.here.derivatives.iter().enumerate().map(part).fold(0.0, f64::max)
     }
 
     /// Where the pixels that are held back would move the values, and how sure that is; `None` where it is chance.
@@ -319,6 +355,8 @@ pub fn influence(scores: &Scores, variances: &[Vec<[f64; 3]>; 2], wished: &[f64]
 
 /// Where few pixels tell a value, one may move it by so many times its fair share, which is 1/√pixels of a standard error.
 const FEW: f64 = 4.0;
+/// The most that the noise of one pixel's derivative may make of how χ² curves: else many more steps are needed than are taken.
+const MOST_NOISE: f64 = 0.03;
 /// How nearly that is kept, in at most so many turns: what is taken from one pixel makes the standard errors smaller.
 const SLACK: f64 = 1.1;
 pub const BOUNDINGS: usize = 12;

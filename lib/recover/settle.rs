@@ -63,7 +63,7 @@ impl Look<'_> {
     /// Where the scores ask values to move, and how far that is in standard errors: as far as the model can be trusted, and half as far, and so on,
     /// while pixels are surely farther off there. `None` if there is no saying.
     fn step(&self, now: &Scores, model: &dyn Model, basis: &Basis) -> Option<(Evaluation, f64)> {
-        let (step, here) = (now.step()?, &now.here.values);
+        let (step, here) = (now.step_within(self.bounds)?, &now.here.values);
         let part = |part: f64| {
             let asked: Vec<f64> = here.iter().zip(&step).zip(self.bounds).map(|((v, s), b)| (v + part * s).clamp(b.0, b.1)).collect();
             Evaluation::new(model, basis, &model.trusted(&asked), self.bounds)

@@ -1,6 +1,6 @@
 //! How a picture was rendered, by its header, and what that means for whoever recovers a material from it.
 
-use super::{Rules, UNWEIGHTED};
+use super::{FRESNEL_OFFSET, Rules, UNWEIGHTED};
 use crate::picture::command_words;
 use std::str::FromStr;
 
@@ -84,22 +84,46 @@ pub fn bounces<'a>(lines: impl IntoIterator<Item = &'a str>, rules: &Rules) -> O
     (here != there).then(|| format!("the target was rendered by {program} with {said}, and here light bounces otherwise: {remedy}"))
 }
 
-/// How large a lamp may be, in terms of its distance, to be much like a point.
-const LARGE: f64 = 0.25;
+/// How large a lamp may be, in terms of its distance, to be much like a point; and behind trans, whose lobe it widens more. (Roughnesses of .15 and .05
+/// before spheres .06 times as large as they are far came out as .155 and .059.)
+const LARGE: [f64; 2] = [0.25, 0.05];
 
 /// What is to be said if lamps are not taken for points by these rules, as they were where RADIANCE made a picture with this header. `large` says
 /// how large those are, in terms of their distance, that it divides where it is asked to, and those that it does not divide well.
-pub fn lamps<'a>(lines: impl IntoIterator<Item = &'a str>, rules: &Rules, large: impl FnOnce() -> [f64; 2]) -> Option<String> {
+pub fn lamps<'a>(
+    lines: impl IntoIterator<Item = &'a str>,
+    rules: &Rules,
+    behind_trans: bool,
+    large: impl FnOnce() -> [f64; 2],
+) -> Option<String> {
     let command = Command::last(lines, &["rpict", "rtrace"]).filter(|_| rules.light_jitter.is_none())?;
     let [flat, round] = large();
     let division = if command.program() == "rpict" { 0.25 } else { 0.2 };
     let [dj, ds] = [("-dj", 0.0), ("-ds", division)].map(|(name, default)| command.given(name).unwrap_or(default));
     let large = if ds > 0.0 { round.max(flat.min(ds)) } else { round.max(flat) };
-    (large > LARGE).then(|| {
+    (large > LARGE[behind_trans as usize]).then(|| {
         format!(
-            "the target was rendered by {}, which takes lamps for points, and one is {large:.1} times as large as it is far from what is unknown; \
+            "the target was rendered by {}, which takes lamps for points, and one is {large:.2} times as large as it is far from what is unknown; \
              here they are integrated over all their extent: give -dj {dj} -ds {ds} for its picture of them",
             command.program()
+        )
+    })
+}
+
+/// The releases of RADIANCE, from the first to before the second, whose Fresnel term is larger than that of its sources of today, and what makes it so.
+const LARGER: [[u32; 2]; 2] = [[5, 4], [6, 1]];
+const LARGER_OFFSET: f64 = 0.00202943064;
+
+/// What is to be said of something polished in a picture with this header that such a release made, if these rules are those of today.
+pub fn fresnel<'a>(lines: impl IntoIterator<Item = &'a str>, rules: &Rules) -> Option<String> {
+    let release = lines.into_iter().filter_map(|line| line.strip_prefix("SOFTWARE= RADIANCE ")).last()?.split(' ').next()?;
+    let mut numbers = release.split(|c: char| !c.is_ascii_digit()).map_while(|n| n.parse().ok());
+    let release_of: [u32; 2] = [numbers.next()?, numbers.next()?];
+    (LARGER[0] <= release_of && release_of < LARGER[1] && rules.fresnel_offset == FRESNEL_OFFSET).then(|| {
+        format!(
+            "the target was rendered by RADIANCE {release}, by which polished surfaces mirror {:.5} more than by its sources of today: \
+             give --fresnel-offset {LARGER_OFFSET}",
+            FRESNEL_OFFSET - LARGER_OFFSET
         )
     })
 }
@@ -149,8 +173,8 @@ mod tests {
 
     #[test]
     fn lamps_that_are_no_points_are_told() {
-        let said = |line: &str, jitter: Option<f64>, large| {
-            lamps([line], &Rules { light_jitter: jitter, ..Rules::default() }, || large).unwrap_or_default()
+        let said = |line: &str, jitter: Option<f64>, large: [f64; 2]| {
+            lamps([line], &Rules { light_jitter: jitter, ..Rules::default() }, false, || large).unwrap_or_default()
         };
         for (line, large, remedy) in
             [("rpict -dj .9 a.oct", [0.1, 0.5], "-dj 0.9 -ds 0.25"), ("rtrace -ds 0 a.oct", [0.5, 0.1], "-dj 0 -ds 0")]
@@ -160,6 +184,21 @@ mod tests {
         }
         for (line, large) in [("rpict a.oct", [0.1, 0.1]), ("rpict a.oct", [0.5, 0.1]), ("rtrace-rs a.rad", [0.5, 0.5])] {
             assert_eq!(said(line, None, large), "");
+        }
+        let behind = |large: f64| lamps(["rpict a.oct"], &Rules::default(), true, || [0.0, large]);
+        assert!(behind(0.04).is_none() && behind(0.06).is_some_and(|said| said.contains("0.06 times as large")));
+    }
+
+    #[test]
+    fn releases_of_another_fresnel_term_are_told() {
+        let said = |line: &str, fresnel_offset| fresnel(["rpict a.oct", line], &Rules { fresnel_offset, ..Rules::default() });
+        for release in ["5.4a lastmod", "6.0a", "6.0.2 official"] {
+            let line = format!("SOFTWARE= RADIANCE {release}");
+            assert!(said(&line, FRESNEL_OFFSET).is_some_and(|said| said.contains("mirror 0.00085 more")), "{release}");
+            assert_eq!(said(&line, LARGER_OFFSET), None);
+        }
+        for line in ["SOFTWARE= RADIANCE 5.3", "SOFTWARE= RADIANCE 6.1a", "SOFTWARE= RADIANCE rtrace, box filter", "VIEW= -vtv"] {
+            assert_eq!(said(line, FRESNEL_OFFSET), None, "{line}");
         }
     }
 

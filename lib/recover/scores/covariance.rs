@@ -11,14 +11,18 @@ const MOST_LEVERAGE: f64 = 0.95;
 impl Scores<'_> {
     /// Covariances of the values: by all that makes the residuals and by the rounding of the target, and by the noise of the rendering alone.
     ///
-    /// The sandwich form (White 1980), the scores summed per pixel over the channels, whose errors go together, each as it would be had the values
-    /// been found without it (MacKinnon and White 1985, HC3). What is held back has a score but no slope (Huber 1981, section 3.2).
+    /// The sandwich form (White 1980), the scores summed per pixel over the channels, whose errors go together. What is held back has a score but no
+    /// slope (Huber 1981, section 3.2). Residuals that the values follow are smaller than errors (MacKinnon and White 1985, HC2); where values go by one
+    /// pixel nothing is left of its error, and by as much as they follow it, its error is also taken for what those of others are in terms of their weights.
     pub(super) fn covariances(&self, inverse: &[Vec<f64>]) -> (Symmetric, Symmetric) {
         let n = self.here.derivatives.len();
+        let usual = self.usual();
         let sums = total(self.pixels(), 2 * n * n, |p, sums| {
             let (all, own) = sums.split_at_mut(n * n);
-            let alone = 1.0 / (1.0 - self.leverage(inverse, p).clamp(0.0, MOST_LEVERAGE));
-            add_square(all, &self.pull(inverse, p).iter().map(|pull| alone * pull).collect::<Vec<_>>());
+            let followed = self.leverage(inverse, p).clamp(0.0, MOST_LEVERAGE);
+            let larger = (1.0 - followed).sqrt().recip();
+            add_square(all, &self.pull(inverse, p).iter().map(|pull| larger * pull).collect::<Vec<_>>());
+            add_square(all, &self.foreseen(inverse, p).iter().map(|pull| (followed * usual).sqrt() * pull).collect::<Vec<_>>());
             for half in 0..2 {
                 let noise = |c: usize| {
                     0.5 * 0.5f64.sqrt() * (self.here.halves[0][p][c] - self.here.halves[1][p][c]) * self.weights.halves[half][p][c] as f64
@@ -39,6 +43,19 @@ impl Scores<'_> {
             add_square(&mut all, &times(inverse, &known));
         }
         (Symmetric::of(n, |i, j| all[i * n + j]), Symmetric::of(n, |i, j| own[i * n + j]))
+    }
+
+    /// The square of a channel's error in terms of its weight, on the average.
+    fn usual(&self) -> f64 {
+        let square = |p: usize| (0..3).map(|c| weight(&self.weights.halves, p, c) * self.sheet.cross(&self.here.halves, p, c)).sum::<f64>();
+        total(self.pixels(), 1, |p, sum| sum[0] += square(p))[0].max(0.0) / (3 * self.pixels().max(1)) as f64
+    }
+
+    /// How far an error of one over the root of its weight in each channel of a pixel moves the values.
+    fn foreseen(&self, inverse: &[Vec<f64>], p: usize) -> Vec<f64> {
+        let of_channel =
+            |i: usize, c: usize| (weight(&self.weights.halves, p, c) * self.weights.kept[p] as f64).sqrt() * self.instrument(i, p, c);
+        times(inverse, &(0..inverse.len()).map(|i| (0..3).map(|c| of_channel(i, c)).sum()).collect::<Vec<_>>())
     }
 
     /// Which part of a pixel's error the values follow: near 1 where they were found by that pixel alone.
