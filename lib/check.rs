@@ -4,7 +4,7 @@ use crate::error::Error;
 use crate::expand::Flat;
 use crate::geometry::Shape;
 use crate::material::is_of_lamps;
-use crate::rad::{Class, Link, Links, Primitive, Type};
+use crate::rad::{Class, Link, Links, Primitive, Type, undefined};
 use crate::resolve::Resolve;
 use crate::scene::Scene;
 use crate::transform::Transform;
@@ -115,10 +115,10 @@ impl<'a> Checker<'a> {
             Some(&i) if i >= user => {
                 let (line, _) = self.primitives[i].span.line_column();
                 let file = &self.primitives[i].span.source.name;
-                format!("undefined modifier `{name}`: it is defined only later, in {file} line {line}; move the definition up")
+                format!("no modifier `{name}` is defined before this: it is only later, in {file} line {line}; move the definition up")
             }
-            _ if surfaces.contains(name) => format!("undefined modifier `{name}`: only a surface has that name; name its modifier"),
-            _ => format!("undefined modifier `{name}`; define it before, or read the file that does first"),
+            _ if surfaces.contains(name) => format!("no modifier is called `{name}`: only a surface is; name its modifier"),
+            _ => format!("{}; define it above, or read the file that does first", undefined(name, modifiers.keys().copied())),
         }
     }
 
@@ -206,7 +206,7 @@ mod tests {
         for (text, reason) in [
             ("void plastic void 0 0 5 1 1 1 0 0", "1:14: error: a modifier may not be called `void`"),
             ("void plastic a 0 0 5 1 1 1 0 0 inherit sphere s 0 0 4 0 0 0 1", "1:32: error: only an alias can `inherit`"),
-            ("void alias a b", "1:14: error: undefined modifier `b`"),
+            ("void alias a b", "1:14: error: no modifier `b` is defined before this"),
             ("void alias b void", "an alias cannot stand for `void`"),
             ("void sphere s 0 0 3 0 0 0", "sphere needs 4"),
             ("void polygon s 0 0 10 0 0 0 1 1 1 2 2 2 2", "polygon needs three"),
@@ -219,10 +219,10 @@ mod tests {
             ("void sphere \"a\tb\" 0 0 4 0 0 0 1", "may not hold a tab"),
             (
                 "\nx sphere s 0 0 4 0 0 0 1\nvoid plastic x 0 0 5 1 1 1 0 0",
-                "2:1: error: undefined modifier `x`: it is defined only later, in t.rad line 3",
+                "2:1: error: no modifier `x` is defined before this: it is only later, in t.rad line 3",
             ),
             ("x sphere s 0 0 4 0 0 0 1\nvoid metal x 0 0 5 1 1 1 1 0\nvoid plastic x 0 0 5 1 1 1 0 0", "only later, in t.rad line 2"),
-            ("void sphere x 0 0 4 0 0 0 1 x sphere s 0 0 4 0 0 0 1", "only a surface has that name"),
+            ("void sphere x 0 0 4 0 0 0 1 x sphere s 0 0 4 0 0 0 1", "no modifier is called `x`: only a surface is"),
         ] {
             let (errors, _) = problems(text);
             assert!(errors.len() == 1 && errors[0].contains(reason), "{text}: {errors:?}");

@@ -13,7 +13,7 @@ pub use bytes::{decode, encode};
 pub use json::json;
 pub use lex::{is_space, real, word};
 pub use links::{Link, Links};
-pub use parse::likely;
+pub use parse::undefined;
 pub use print::{Number, Quoted};
 pub use set::set;
 pub use types::{Class, Reals, TYPES, Type};

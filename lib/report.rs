@@ -265,8 +265,8 @@ impl Report<'_> {
     }
 }
 
-/// The version of the program.
-const VERSION: &str = env!("CARGO_PKG_VERSION");
+/// The version of the programs.
+pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 /// χ² as the page writes it.
 const CHI2: &str = "<i>χ</i>²";

@@ -61,7 +61,7 @@ fn what_oconv_would_refuse_is_not_printed_in_silence() {
     // Another scene may define it: the unknown of a recovery, for instance.
     let (status, output, said) = rparse(Path::new("."), &[], b"it sphere s 0 0 4 0 0 0 1\n");
     assert!(status == 0 && output.starts_with(b"it sphere s\n"));
-    assert!(said.contains("warning: <stdin>:1:1: undefined modifier `it`; define it before"), "{said}");
+    assert!(said.contains("warning: <stdin>:1:1: no modifier `it` is defined before this; define it above"), "{said}");
 }
 
 #[test]

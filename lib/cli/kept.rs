@@ -9,7 +9,7 @@ use super::stream::{Output, file};
 use crate::args::anneal::Arguments;
 use crate::error::{Error, Result};
 use crate::recover::Recovery;
-use crate::report::Moment;
+use crate::report::{Moment, VERSION};
 use crate::unknown::Unknown;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -41,8 +41,6 @@ pub struct Asked {
     /// A number that any change of the files that were read changes.
     read: u64,
 }
-
-const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 impl Asked {
     /// What these arguments ask of files with that number.

@@ -160,9 +160,15 @@ fn unknown_type(name: &str) -> String {
 }
 
 /// The nearest to a word of some others, if it is so near that it may be meant: no more than two letters are wrong, nor more than half of it.
-pub fn likely<'a>(word: &str, others: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+fn likely<'a>(word: &str, others: impl Iterator<Item = &'a str>) -> Option<&'a str> {
     let nearest = others.map(|other| (distance(word, other), other)).min();
     nearest.filter(|(wrong, _)| *wrong <= 2.min(word.len().div_ceil(2))).map(|(_, likely)| likely)
+}
+
+/// What is wrong with a name that no modifier has which is `known` so far, and which of these may be meant.
+pub fn undefined<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> String {
+    let likely = likely(name, known).map_or(String::new(), |likely| format!("; `{likely}` is"));
+    format!("no modifier `{name}` is defined before this{likely}")
 }
 
 /// Edits between two words (Levenshtein 1966), letters compared without case.

@@ -7,7 +7,7 @@ use super::model::{Kind, parts};
 use super::{Evidence, Recovery, tile};
 use crate::anneal::Parameter;
 use crate::unknown::Unknown;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 
 /// A loss as small as this is that of a perfect photograph: 1 % in each channel.
 const MISFIT: f64 = 3e-4;
@@ -120,8 +120,8 @@ pub const SAMPLES: [usize; 2] = [600, 2500];
 pub struct Sample {
     /// How much each pixel of the film counts: those that are not compared do not.
     pub mask: Vec<f32>,
-    /// The block of each pixel that is, in order.
-    blocks: Vec<usize>,
+    /// The block of each pixel that is.
+    blocks: HashMap<usize, usize>,
 }
 
 impl Sample {
@@ -131,7 +131,7 @@ impl Sample {
         let pixels = kept(pixels, width, about);
         let mut mask = vec![0.0; width * evidence.film.height];
         pixels.iter().for_each(|&n| mask[n] = evidence.mask.map_or(1.0, |mask| mask[n]));
-        Self { mask, blocks: pixels.iter().map(|&n| tile(n, width, BLOCK)).collect() }
+        Self { mask, blocks: pixels.iter().map(|&n| (n, tile(n, width, BLOCK))).collect() }
     }
 }
 
@@ -191,17 +191,21 @@ pub fn choose(trials: &[Trial], sample: &Sample) -> Verdict {
 
 /// By how many standard errors `a` is worse than `b`: the logarithm of the ratio of their likelihoods, by its own standard error. The scatter of
 /// the misfits is what each finds it to be, block by block, or a few glints would decide.
-fn vuong(a: &Trial, b: &Trial, blocks: &[usize]) -> f64 {
+fn vuong(a: &Trial, b: &Trial, blocks: &HashMap<usize, usize>) -> f64 {
+    let others: HashMap<usize, f64> = b.recovery.losses.iter().copied().collect();
     let mut sums = BTreeMap::<usize, [f64; 3]>::new();
-    for (((_, a), (_, b)), block) in a.recovery.losses.iter().zip(&b.recovery.losses).zip(blocks) {
-        let sum = sums.entry(*block).or_default();
-        [*a, *b, 1.0].iter().zip(sum).for_each(|(term, sum)| *sum += term);
+    for (number, loss) in &a.recovery.losses {
+        if let (Some(other), Some(block)) = (others.get(number), blocks.get(number)) {
+            let sum = sums.entry(*block).or_default();
+            [*loss, *other, 1.0].iter().zip(sum).for_each(|(term, sum)| *sum += term);
+        }
     }
     let scatter = |loss: f64, count: f64| (loss / count).max(0.0) + MISFIT;
     let ratios: Vec<(f64, f64)> = sums.values().map(|&[a, b, n]| (n, (scatter(a, n) / scatter(b, n)).ln())).collect();
-    let mean = ratios.iter().map(|(n, r)| n * r).sum::<f64>() / blocks.len() as f64;
+    let count: f64 = ratios.iter().map(|(n, _)| n).sum();
+    let mean = ratios.iter().map(|(n, r)| n * r).sum::<f64>() / count.max(1.0);
     let error = ratios.iter().map(|(n, r)| (n * (r - mean)).powi(2)).sum::<f64>().sqrt();
-    mean * blocks.len() as f64 / error.max(f64::MIN_POSITIVE)
+    mean * count / error.max(f64::MIN_POSITIVE)
 }
 
 impl Rival {
@@ -277,7 +281,7 @@ mod tests {
     }
 
     fn verdict(trials: &[Trial]) -> (String, Vec<String>, bool) {
-        let verdict = choose(trials, &Sample { mask: vec![], blocks: (0..64).collect() });
+        let verdict = choose(trials, &Sample { mask: vec![], blocks: (0..64).map(|n| (n, n)).collect() });
         (verdict.title(), verdict.doubts(), verdict.sure)
     }
 

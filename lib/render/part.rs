@@ -10,6 +10,9 @@ use std::ops::Range;
 /// The header line that says which samples a part holds.
 const RANGE: &str = "SAMPLES=";
 
+/// The sums of a pixel.
+const SUMS: usize = 3 * GROUPS;
+
 /// The option that asks for a part, and the one that asks for the whole.
 const PART_OPTION: &str = "--samples";
 const WHOLE_OPTION: &str = "--spp";
@@ -28,13 +31,27 @@ pub fn part(width: usize, height: usize, mut header: Header, samples: &Range<u32
     push("samples", &|p| p.samples());
     push("surface", &|p| p.surface as u32);
     push("exact", &|p| p.exact as u32);
-    for sum in 0..3 * GROUPS {
-        let depth = pixels.iter().map(|p| p.parts().filter(|(s, _)| *s == sum).count()).max().unwrap_or(0);
-        for level in 0..depth {
-            let value = |p: &Pixel| p.parts().filter(|(s, _)| *s == sum).nth(level).map_or(0, |(_, value)| value.to_bits());
-            let [high, low] = names(level, sum);
-            push(&high, &|p| (value(p) >> 32) as u32);
-            push(&low, &|p| value(p) as u32);
+    // How many numbers each sum takes, and where the first of them is among all that are written.
+    let mut depths = [0; SUMS];
+    for pixel in pixels {
+        let mut own = [0; SUMS];
+        pixel.parts().for_each(|(sum, _)| own[sum] += 1);
+        depths.iter_mut().zip(own).for_each(|(depth, own)| *depth = own.max(*depth));
+    }
+    let firsts: [usize; SUMS] = std::array::from_fn(|sum| depths[..sum].iter().sum());
+    let mut numbers = vec![vec![[0; 2]; pixels.len()]; depths.iter().sum()];
+    for (i, pixel) in pixels.iter().enumerate() {
+        let mut next = firsts;
+        for (sum, value) in pixel.parts() {
+            let bits = value.to_bits();
+            numbers[next[sum]][i] = [(bits >> 32) as u32, bits as u32];
+            next[sum] += 1;
+        }
+    }
+    let of_sums = (0..SUMS).flat_map(|sum| (0..depths[sum]).map(move |level| names(level, sum)));
+    for (names, numbers) in of_sums.zip(&numbers) {
+        for (half, name) in names.into_iter().enumerate() {
+            planes.planes.push(Plane { name, samples: Samples::U32(numbers.iter().map(|bits| bits[half]).collect()) });
         }
     }
     planes
@@ -134,7 +151,7 @@ fn append(planes: &Planes, range: &Range<u32>, pixels: &mut [Pixel], name: &str)
         }
         parts.push(Pixel::taken(range, surface[i] != 0, exact[i] != 0));
     }
-    for sum in 0..3 * GROUPS {
+    for sum in 0..SUMS {
         for level in 0.. {
             let names = names(level, sum);
             if planes.plane(&names[0]).or(planes.plane(&names[1])).is_none() {

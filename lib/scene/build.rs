@@ -8,7 +8,7 @@ use crate::expand::Annotation;
 use crate::geometry::Shape;
 use crate::material::Material;
 use crate::pattern::{Mixture, Pattern, Sources, Texture};
-use crate::rad::{Class, Primitive, likely, real};
+use crate::rad::{Class, Primitive, real, undefined};
 use crate::resolve::Resolve;
 use crate::support::{Feature, unsupported};
 use crate::transform::Transform;
@@ -135,14 +135,14 @@ impl<'a> Builder<'a> {
             "void" => Ok(None),
             name => match self.find(name, self.definitions.len()) {
                 Some(definition) => Ok(Some(definition)),
-                None => {
-                    let likely =
-                        likely(name, self.names.keys().map(|known| &**known)).map_or(String::new(), |known| format!("; `{known}` is"));
-                    Err(primitive
-                        .modifier_error(format!("no modifier `{name}` is defined before this{likely}; define it above, or write void")))
-                }
+                None => Err(primitive.modifier_error(format!("{}; define it above, or write void", self.undefined(name)))),
             },
         }
+    }
+
+    /// What is wrong with a name that no modifier has so far.
+    fn undefined(&self, name: &str) -> String {
+        undefined(name, self.names.keys().map(|known| &**known))
     }
 
     /// Takes a modifier in. Even one that is wrong is known by its name from then on, so that its users are not wrong too.
@@ -164,7 +164,7 @@ impl<'a> Builder<'a> {
         }
         let target = primitive.strings.first().map_or("", String::as_str);
         let Some(found) = self.find(target, self.definitions.len()) else {
-            return Err(primitive.string_error(0, format!("no modifier `{target}` is defined before this alias")));
+            return Err(primitive.string_error(0, self.undefined(target)));
         };
         let named = self.definitions[found].clone();
         let behind = if primitive.modifier == "inherit" { named.behind } else { self.modifier(primitive)? };
@@ -345,8 +345,7 @@ impl<'a> Builder<'a> {
     /// A modifier that a string argument names: the latest before the primitive.
     fn late(&self, primitive: &Primitive, string: usize, order: u32) -> Result<DefinitionId> {
         let name = &primitive.strings[string];
-        self.find(name, order as usize)
-            .ok_or_else(|| primitive.string_error(string, format!("no modifier `{name}` is defined before this")))
+        self.find(name, order as usize).ok_or_else(|| primitive.string_error(string, self.undefined(name)))
     }
 
     /// The compiled pattern or texture of a primitive.
@@ -392,10 +391,7 @@ impl<'a> Builder<'a> {
             for (i, name) in primitive.strings.iter().enumerate().filter(|(_, name)| *name != "void") {
                 match self.find(name, order as usize) {
                     Some(found) => removes.push(self.chain(Some(found))?),
-                    None => self
-                        .scene
-                        .warnings
-                        .push(primitive.string_error(i, format!("no modifier `{name}` is defined before this antimatter")).remark()),
+                    None => self.scene.warnings.push(primitive.string_error(i, self.undefined(name)).remark()),
                 }
             }
         }
