@@ -45,8 +45,8 @@ const POINTS: [usize; 2] = [6, 10];
 const LEAST: f64 = 64.0;
 const FIRST: First = First { pixels: 625, samples: 128, squares: true, again: false };
 
-/// How far the two indices that the pixels are looked at with lie to either side: where less than `TOLD` of the change between them is not noise,
-/// `WIDER` times as far, up to the last. (Of a bunny of index 2.4 a thirtieth is not: wherever a look began, .05 off too, it was sure to .005.)
+/// How far the two indices that the pixels are looked at with lie to either side: where less than `TOLD` of the change between them is not noise, or
+/// the index may lie anywhere between them, `WIDER` times as far, up to the last. (Of a bunny of index 2.4 a thirtieth is not: wherever a look began, .05 off too, it was sure to .005.)
 const SPREAD: f64 = 0.003;
 const WIDER: f64 = 4.0;
 const WIDEST: f64 = 0.048;
@@ -311,7 +311,8 @@ fn looked(
         let closer = Look { evidence, pixels, parameters, bounds: &bounds, effort: &effort, another: &another };
         let found = closer.at(&mut stage, &best, &mut seeds).found;
         let Some(i) = slot.filter(|_| !stage.holds(&found) && found.amiss().is_none()) else { return Ok(found) };
-        if !stage.tells(&found) && another() {
+        let open = found.errors()[i] > aside && aside < WIDEST;
+        if (open || !stage.tells(&found)) && another() {
             (best, aside) = (found.values, WIDER * aside);
             continue;
         }

@@ -100,7 +100,7 @@ impl<'a> Scores<'a> {
         if let Some(inverse) = &scores.inverse {
             let reached = reached(inverse, &scores.slopes);
             let whole = |covariance: &Symmetric| Symmetric::of(n, |i, j| covariance.at(i, j) / (reached[i] * reached[j]));
-            let (covariance, own) = scores.covariances(inverse);
+            let (covariance, own) = scores.covariances(inverse, bounds);
             (scores.covariance, scores.own) = (whole(&covariance), whole(&own));
         }
         scores

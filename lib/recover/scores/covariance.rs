@@ -14,7 +14,7 @@ impl Scores<'_> {
     /// The sandwich form (White 1980), the scores summed per pixel over the channels, whose errors go together. What is held back has a score but no
     /// slope (Huber 1981, section 3.2). Residuals that the values follow are smaller than errors (MacKinnon and White 1985, HC2); where values go by one
     /// pixel nothing is left of its error, and by as much as they follow it, its error is also taken for what those of others are in terms of their weights.
-    pub(super) fn covariances(&self, inverse: &[Vec<f64>]) -> (Symmetric, Symmetric) {
+    pub(super) fn covariances(&self, inverse: &[Vec<f64>], bounds: &[(f64, f64)]) -> (Symmetric, Symmetric) {
         let n = self.here.derivatives.len();
         let usual = self.usual();
         let sums = total(self.pixels(), 2 * n * n, |p, sums| {
@@ -37,7 +37,7 @@ impl Scores<'_> {
             add_square(&mut all, &self.rounded(inverse, alike));
         }
         // What as many steps again would do is not known either; what the pixels leave open, the bounds still tell.
-        add_square(&mut all, &times(inverse, &self.scores()));
+        self.step_within(bounds).iter().for_each(|step| add_square(&mut all, step));
         for i in 0..n {
             let known: Vec<f64> = (0..n).map(|j| if i == j { self.prior[i].sqrt() } else { 0.0 }).collect();
             add_square(&mut all, &times(inverse, &known));
