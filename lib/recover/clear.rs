@@ -46,7 +46,8 @@ const LEAST: f64 = 64.0;
 const FIRST: First = First { pixels: 625, samples: 128, squares: true, again: false };
 
 /// How far the two indices that the pixels are looked at with lie to either side: where less than `TOLD` of the change between them is not noise, or
-/// the index may lie anywhere between them, `WIDER` times as far, up to the last. (Of a bunny of index 2.4 a thirtieth is not: wherever a look began, .05 off too, it was sure to .005.)
+/// the index may lie anywhere between them, `WIDER` times as far, up to the last. (Of a bunny of index 2.4 a thirtieth is not: wherever a look began,
+/// .05 off too, it was sure to .005.)
 const SPREAD: f64 = 0.003;
 const WIDER: f64 = 4.0;
 const WIDEST: f64 = 0.048;

@@ -354,7 +354,7 @@ pub fn influence(scores: &Scores, variances: &[Vec<[f64; 3]>; 2], wished: &[f64]
 }
 
 /// Where few pixels tell a value, one may move it by so many times its fair share, which is 1/√pixels of a standard error.
-const FEW: f64 = 4.0;
+const FEW: f64 = 6.0;
 /// The most that the noise of one pixel's derivative may make of how χ² curves: else many more steps are needed than are taken.
 const MOST_NOISE: f64 = 0.03;
 /// How nearly that is kept, in at most so many turns: what is taken from one pixel makes the standard errors smaller.
