@@ -41,7 +41,7 @@ use crate::unknown::Unknown;
 use crate::world::World;
 use doubts::Known;
 use model::Kind;
-pub use polished::otherwise;
+pub use polished::{has_fresnel_term, otherwise};
 use rayon::prelude::*;
 use rough::Sought;
 use saturated::Saturated;
@@ -188,9 +188,9 @@ impl Recovery {
         scores::farther_off_but_one(&self.losses, &other.losses)
     }
 
-    /// How far all its pixels are off: none by more than as if it were black, or noise would make a pixel or two all there is.
+    /// How far all its pixels are off.
     fn loss(&self) -> f64 {
-        self.losses.iter().map(|(_, loss)| loss.clamp(-1.0, 1.0)).sum()
+        self.losses.iter().map(|(_, loss)| scores::counted(*loss)).sum()
     }
 
     /// What is known of the errors of the values.

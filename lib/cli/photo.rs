@@ -10,13 +10,11 @@ use crate::args::anneal::{Arguments, Sharpness};
 use crate::color::Rgb;
 use crate::error::{Error, Result};
 use crate::expand::{Flat, expand};
-use crate::material::{FRESNEL_FROM, PURE};
 use crate::metric::{self, Loss, Named};
 use crate::picture::{Header, Picture, shrunk};
 use crate::rad::{Class, Document, Number, Primitive};
 use crate::recover::exposure::exposed;
-use crate::recover::model::{Kind, SPECULARITY};
-use crate::recover::{Evidence, Recovery, otherwise, saturated};
+use crate::recover::{Evidence, Recovery, has_fresnel_term, otherwise, saturated};
 use crate::render::{Film, Filter};
 use crate::report::{Setting, Views};
 use crate::rules::Rules;
@@ -228,10 +226,8 @@ impl<'a> Photo<'a> {
 
     /// What is to be said of what was found where it is polished.
     pub fn polished(&self, found: &Recovery) -> Option<String> {
-        let reals = self.unknown.reals(&found.values);
-        let kind = Kind::named(&self.unknown.material().kind).filter(|kind| !kind.anisotropic)?;
-        let polished = reals[kind.roughnesses().start].abs() <= PURE && reals[SPECULARITY] >= FRESNEL_FROM;
-        polished.then(|| fresnel(self.target.header.lines.iter().map(String::as_str), &self.rules)).flatten()
+        let lines = self.target.header.lines.iter().map(String::as_str);
+        has_fresnel_term(&self.unknown, &found.values).then(|| fresnel(lines, &self.rules)).flatten()
     }
 
     /// What is to be said of pixels that were left out as they seem saturated, if by what was found most of them should be brighter.

@@ -34,7 +34,19 @@ pub fn otherwise(unknown: &Unknown) -> Option<Vec<f64>> {
 }
 
 fn starts_polished(unknown: &Unknown) -> bool {
-    unknown.reals(&unknown.start())[ROUGHNESS].abs() <= PURE
+    is_polished(&unknown.reals(&unknown.start()))
+}
+
+/// Whether what has these real arguments is so smooth.
+fn is_polished(reals: &[f64]) -> bool {
+    reals[ROUGHNESS].abs() <= PURE
+}
+
+/// Whether an unknown with these values is a mirror with a Fresnel term.
+pub fn has_fresnel_term(unknown: &Unknown, values: &[f64]) -> bool {
+    let reals = unknown.reals(values);
+    let kind = Kind::named(&unknown.material().kind).filter(|kind| !kind.anisotropic);
+    kind.is_some() && is_polished(&reals) && reals[SPECULARITY] >= FRESNEL_FROM
 }
 
 /// Recovers the numbers of plastic, metal, trans and their anisotropic kin, polished or not.

@@ -372,8 +372,7 @@ const PERHAPS: f64 = 2.25;
 /// their squares is twice their product then.
 const AGREED: f64 = 2.0 / 3.0;
 
-/// By how many standard errors pixels, by their numbers, are farther off in one row than in another, as far as they are in both. None counts for more
-/// than one that is off by as much as it is bright.
+/// By how many standard errors pixels, by their numbers, are farther off in one row than in another, as far as they are in both.
 pub fn farther_off(here: &[(usize, f64)], there: &[(usize, f64)]) -> f64 {
     in_standard_errors(farther_by(here, there))
 }
@@ -387,8 +386,12 @@ pub fn farther_off_but_one(here: &[(usize, f64)], there: &[(usize, f64)]) -> f64
 /// By how much more each pixel is off.
 fn farther_by(here: &[(usize, f64)], there: &[(usize, f64)]) -> impl Iterator<Item = f64> {
     let there: HashMap<usize, f64> = there.iter().copied().collect();
-    let off = |loss: f64| loss.clamp(-1.0, 1.0);
-    here.iter().filter_map(move |(n, loss)| Some(off(*loss) - off(*there.get(n)?)))
+    here.iter().filter_map(move |(n, loss)| Some(counted(*loss) - counted(*there.get(n)?)))
+}
+
+/// What a pixel counts for that is off by so much: no more than one that is off by as much as it is bright.
+pub fn counted(loss: f64) -> f64 {
+    loss.clamp(-1.0, 1.0)
 }
 
 /// The sum of independent differences in terms of its standard error, if their mean is next to nothing.
