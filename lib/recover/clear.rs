@@ -12,7 +12,7 @@ use super::{Effort, Evidence, Recovery, Seeds};
 use crate::anneal::anywhere;
 use crate::anneal::linear::Symmetric;
 use crate::color::Rgb;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::geometry::Ray;
 use crate::material::{GLASS_INDEX, hartmann};
 use crate::scene::MaterialId;
@@ -284,9 +284,9 @@ fn looked(
     let fixed = index(unknown, &unknown.start());
     let (low, high) = slot.map_or((fixed, fixed), |i| (parameters[i].low.max(LEAST_INDEX), parameters[i].high.max(LEAST_INDEX)));
     if slot.is_some() && high > MOST_INDEX {
-        return Err(Error::new(format!(
-            "an index of refraction is sought up to {MOST_INDEX}; give it nearer bounds: --param ior=1.5:1:2.5"
-        )));
+        return Err(unknown
+            .material()
+            .error(format!("an index of refraction is sought up to {MOST_INDEX}; give it nearer bounds: --param ior=1.5:1:2.5")));
     }
     let bounds: Vec<(f64, f64)> =
         parameters.iter().enumerate().map(|(i, p)| if Some(i) == slot { (low, high) } else { (p.low, p.high) }).collect();
