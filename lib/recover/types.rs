@@ -11,8 +11,10 @@ use std::collections::{BTreeMap, HashMap};
 
 /// A loss as small as this is that of a perfect photograph: 1 % in each channel.
 const MISFIT: f64 = 3e-4;
-/// The side of a block, in pixels.
+/// The largest side of a block, in pixels; and how many blocks there are at least where there are as many pixels: what few pixels show is compared
+/// in smaller ones.
 const BLOCK: usize = 8;
+const BLOCKS: f64 = 32.0;
 /// A type is excluded when another is better by so many standard errors.
 const EXCLUDED: f64 = 2.0;
 /// By so many it surely is, however few pixels say so; and by no more may one be worse that surely is not.
@@ -128,21 +130,22 @@ impl Sample {
     /// A sample of about so many of the pixels that show the unknown, as [`Evidence::pixels`] found them.
     pub fn of(evidence: &Evidence, pixels: &[usize], about: usize) -> Self {
         let width = evidence.film.width;
-        let pixels = kept(pixels, width, about);
+        let side = ((pixels.len() as f64 / BLOCKS).sqrt() as usize).clamp(1, BLOCK);
+        let pixels = kept(pixels, width, about, side);
         let mut mask = vec![0.0; width * evidence.film.height];
         pixels.iter().for_each(|&n| mask[n] = evidence.mask.map_or(1.0, |mask| mask[n]));
-        Self { mask, blocks: pixels.iter().map(|&n| (n, tile(n, width, BLOCK))).collect() }
+        Self { mask, blocks: pixels.iter().map(|&n| (n, tile(n, width, side))).collect() }
     }
 }
 
-/// The pixels of some blocks, about so many; all if they are few.
-fn kept(pixels: &[usize], width: usize, about: usize) -> Vec<usize> {
-    let mut blocks: Vec<usize> = pixels.iter().map(|&n| tile(n, width, BLOCK)).collect();
+/// The pixels of some blocks of that side, about so many; all if they are few.
+fn kept(pixels: &[usize], width: usize, about: usize, side: usize) -> Vec<usize> {
+    let mut blocks: Vec<usize> = pixels.iter().map(|&n| tile(n, width, side)).collect();
     blocks.sort_unstable();
     blocks.dedup();
     // Multiples of the golden ratio leave no pattern that the picture could have too.
     let share = about as f64 / pixels.len() as f64;
-    let counts = |n: &usize| (blocks.binary_search(&tile(*n, width, BLOCK)).unwrap_or(0) as f64 * 0.618_033_988_749_895).fract() < share;
+    let counts = |n: &usize| (blocks.binary_search(&tile(*n, width, side)).unwrap_or(0) as f64 * 0.618_033_988_749_895).fract() < share;
     pixels.iter().copied().filter(counts).collect()
 }
 
@@ -205,7 +208,16 @@ fn vuong(a: &Trial, b: &Trial, blocks: &HashMap<usize, usize>) -> f64 {
     let count: f64 = ratios.iter().map(|(n, _)| n).sum();
     let mean = ratios.iter().map(|(n, r)| n * r).sum::<f64>() / count.max(1.0);
     let error = ratios.iter().map(|(n, r)| (n * (r - mean)).powi(2)).sum::<f64>().sqrt();
-    mean * count / error.max(f64::MIN_POSITIVE)
+    // As many blocks of one size would tell as much.
+    let blocks = count * count / ratios.iter().map(|(n, _)| n * n).sum::<f64>().max(1.0);
+    normal(mean * count / error.max(f64::MIN_POSITIVE), blocks - 1.0)
+}
+
+/// The number of standard errors that is as rare in the normal distribution as `t` is in Student's of so many degrees of freedom: few blocks
+/// tell their own scatter badly (Wallace 1959).
+fn normal(t: f64, freedom: f64) -> f64 {
+    let corrected = (8.0 * freedom + 1.0) / (8.0 * freedom + 3.0);
+    if freedom > 0.0 { t.signum() * corrected * (freedom * (t * t / freedom).ln_1p()).sqrt() } else { 0.0 }
 }
 
 impl Rival {
@@ -335,10 +347,19 @@ mod tests {
     }
 
     #[test]
+    fn few_blocks_tell_less() {
+        // Student's table: as rare as 1.96 in the normal distribution.
+        for (t, freedom) in [(4.303, 2.0), (2.776, 4.0), (2.086, 20.0), (1.960, 1e9)] {
+            assert!((normal(t, freedom) - 1.96).abs() < 0.04 && normal(-t, freedom) == -normal(t, freedom));
+        }
+        assert_eq!(normal(9.0, 0.0), 0.0);
+    }
+
+    #[test]
     fn a_sample_is_whole_blocks_all_over() {
         let pixels: Vec<usize> = (0..200 * 200).collect();
         let block = |n: usize| (n % 200 / BLOCK, n / 200 / BLOCK);
-        let kept = kept(&pixels, 200, 2500);
+        let kept = kept(&pixels, 200, 2500, BLOCK);
         assert!((kept.len() as f64 / 2500.0 - 1.0).abs() < 0.1, "{}", kept.len());
         assert!((0..4).all(|q| kept.iter().any(|&n| (block(n).0 / 13, block(n).1 / 13) == (q % 2, q / 2))));
         assert!(kept.iter().all(|&n| kept.contains(&(n - n % 200 % BLOCK))));
