@@ -263,13 +263,17 @@ impl Unknown {
     }
 }
 
-/// The material called `wanted`, or the only one there is.
+/// The material called `wanted`, or the only one there is, lamps and what else has nothing unknown by itself not counted.
 fn choose<'a>(document: &'a Document, wanted: Option<&str>) -> Result<&'a Primitive> {
     let file = &document.source.name;
     let mut found: Vec<&Primitive> = document
         .primitives()
         .filter(|p| p.type_of().is_some_and(|t| t.class == Class::Material) && wanted.is_none_or(|w| w == p.name))
         .collect();
+    let open = |p: &&Primitive| (0..p.reals.len()).any(|index| usual(p, index).is_some());
+    if wanted.is_none() && found.iter().any(open) {
+        found.retain(open);
+    }
     // Of those with the same name the last one counts.
     let last = found.pop();
     found.retain(|p| last.is_some_and(|l| l.name != p.name));
@@ -419,6 +423,8 @@ mod tests {
         assert_eq!(glass.material().kind, "glass");
         assert!(message(two, &Wishes { material: Some("c".into()), ..Wishes::default() }).contains("start.rad: no material is called `c`"));
         assert!(message("a sphere s 0 0 4 0 0 0 1\n", &Wishes::default()).contains("no material"));
+        let lit = "void light l 0 0 3 9 9 9\nvoid plastic a 0 0 5 .5 .5 .5 0 0\nvoid antimatter cut 1 a 0 0\n";
+        assert_eq!(unknown(lit, &Wishes::default()).unwrap().material().kind, "plastic");
         // RADIANCE takes the last of two definitions.
         let again = "void plastic a 0 0 5 .5 .5 .5 0 0\nvoid metal a 0 0 5 .5 .5 .5 0 0\n";
         assert_eq!(unknown(again, &Wishes::default()).unwrap().material().kind, "metal");
@@ -432,7 +438,10 @@ mod tests {
         assert!(
             message("void light l 0 0 3 9 9 9", &Wishes::default()).contains("no parameter of light `l` is free; give bounds with --param")
         );
-        assert!(message("void plastic m 0 0 3 .5 .5 .5", &Wishes::default()).contains("plastic needs 5 real arguments, not 3"));
+        assert!(
+            message("void plastic m 0 0 3 .5 .5 .5", &Wishes::default())
+                .contains("plastic needs 5 real arguments (red green blue spec rough), not 3")
+        );
         let outside = Wishes { bounds: vec!["rough=:.2:.3".parse().unwrap()], ..Wishes::default() };
         assert!(message(HORSE, &outside).starts_with("start.rad:5:"));
         let tied = Wishes { tied: vec![words(&["red", "blue"])], bounds: vec!["blue=.5:0:1".parse().unwrap()], ..Wishes::default() };

@@ -60,7 +60,9 @@ impl Type {
         let (fits, needed) = match &self.reals {
             Reals::Of(counts) => {
                 let counted = counts.iter().map(usize::to_string).collect::<Vec<_>>().join(" or ");
-                (counts.contains(&reals), format!("{counted} real arguments"))
+                let all_named = counts.contains(&self.parameters.len()) && !self.parameters.is_empty();
+                let names = if all_named { format!(" ({})", self.parameters.join(" ")) } else { String::new() };
+                (counts.contains(&reals), format!("{counted} real arguments{names}"))
             }
             Reals::From(least) => (reals >= *least, format!("{least} or more real arguments")),
             Reals::Vertices => (reals >= 9 && reals.is_multiple_of(3), "three real arguments for each of at least three vertices".into()),
