@@ -65,6 +65,16 @@ impl<'a> Coming<'a> {
     pub fn viewer(ray: &'a Ray) -> Self {
         Self { ray, travelled: 0.0, aim: None, primary: true, gathered: false, ambient: false, clip: None }
     }
+
+    /// The lamp that it was aimed at.
+    fn lamp(&self) -> Option<usize> {
+        if let Some(Emitter::Lamp(lamp)) = self.aim { Some(lamp) } else { None }
+    }
+
+    /// Its state among antimatter, to be changed.
+    fn clip(&self) -> Clip {
+        self.clip.cloned().unwrap_or_default()
+    }
 }
 
 /// Light that a path ends in.
@@ -278,56 +288,28 @@ impl Place<'_> {
             clip: self.clip.clone(),
         };
         if world.removable.get(self.found.chain).is_some_and(|&removable| removable) {
-            let mut clip = self.coming.clip.cloned().unwrap_or_default();
-            clip.cross(self.found.chain, self.at.rdot > 0.0);
+            let mut clip = self.coming.clip();
+            clip.cross(self.found.chain, front);
             layer.clip = Some(Box::new(clip));
         }
         let Some(named) = named else { return (self.out)(&layer) };
-        let aimed = match self.coming.aim {
-            Some(Emitter::Lamp(lamp)) => Some(lamp),
-            _ => None,
-        };
-        if self.rules.irradiance && self.coming.primary {
-            match &named.material {
-                Material::Antimatter => {}
-                material if material.emits() => {}
-                material if material.nominally_transparent() || !front && !self.rules.back_visible && material.backless() => {
-                    return (self.out)(&Layer { material: None, ..layer });
-                }
-                _ => return (self.out)(&Layer { material: Some(&*COLLECTOR), pattern: Rgb::ONE, ..layer }),
+        let backless = !front && !self.rules.back_visible && named.material.backless();
+        if self.rules.irradiance && self.coming.primary && !named.material.emits() && !matches!(named.material, Material::Antimatter) {
+            if backless || named.material.nominally_transparent() {
+                return (self.out)(&Layer { material: None, ..layer });
             }
+            return (self.out)(&Layer { material: Some(&*COLLECTOR), pattern: Rgb::ONE, ..layer });
         }
+        let aimed = self.coming.lamp();
         match &named.material {
             // The back of a surface that does not use its side is not there.
-            material if !front && !self.rules.back_visible && material.backless() && (aimed.is_none() || !material.shades()) => {
+            material if backless && (aimed.is_none() || !material.shades()) => {
                 layer.material = None;
                 layer.shades = material.shades();
             }
-            Material::Illum(_) if aimed.is_none() || aimed != self.found.lamp => {
-                // What gathers light has the illum's own light already; nor may one weak source light through another.
-                if front && aimed.map_or(self.coming.gathered, |lamp| world.lamps[lamp].weak) {
-                    layer.emission = Some(Emission::BLACK);
-                    return (self.out)(&layer);
-                }
-                return match named.alternate {
-                    Some(chain) => self.walk(chain, fraction, before.0, before.1),
-                    None => (self.out)(&Layer { material: None, ..layer }),
-                };
-            }
-            Material::Mirror(_) => {
-                let relay = aimed.and_then(|lamp| world.lamps[lamp].relay).filter(|r| r.mirror == self.surface);
-                // What gathers light has the mirror's own already, if its alternate holds back the light beyond.
-                let clear =
-                    |&chain: &ChainId| world.material_of(&world.chains[chain]).is_some_and(|named| named.material.nominally_transparent());
-                let own = self.coming.gathered && front;
-                if let Some(chain) = named.alternate.filter(|chain| relay.is_none() && (!own || clear(chain))) {
-                    return self.walk(chain, fraction, before.0, before.1);
-                }
-                layer.relay = relay.map(|r| r.lamp);
-                if layer.relay.is_some() || self.coming.ambient {
-                    layer.point = self.point(Some(named), front, Vec3::ZERO);
-                }
-            }
+            Material::Illum(_) if aimed.is_none() || aimed != self.found.lamp => return self.illum(layer, named, before),
+            Material::Mirror(_) => return self.mirror(layer, named, before),
+            Material::Antimatter => return self.antimatter(layer, named, before),
             Material::Light(_) | Material::Illum(_) | Material::Spotlight(..) if front => {
                 let emitter = self.found.lamp.map_or(Emitter::Hidden, Emitter::Lamp);
                 layer.emission = Some(Emission { radiance: named.material.emitted(self.at.direction) * pattern, emitter, beyond: false });
@@ -350,21 +332,53 @@ impl Place<'_> {
                 });
             }
             Material::Interface(_, outside) => layer.behind = Some(Inside::of(outside.extinction(pattern))),
-            Material::Antimatter => {
-                let mut clip = self.coming.clip.cloned().unwrap_or_default();
-                let inside = clip.is_inside(&named.removes);
-                clip.cut(&named.removes, self.at.rdot > 0.0);
-                self.clip = Some(Box::new(clip));
-                if let Some(chain) = named.alternate.filter(|_| inside) {
-                    // It is shaded as if it faced the other way.
-                    (self.at.normal, self.at.rdot) = (-self.at.normal, -self.at.rdot);
-                    return self.walk(chain, fraction, before.0, before.1);
-                }
-                (layer.material, layer.clip) = (None, self.clip.clone());
-            }
             _ => {}
         }
         (self.out)(&layer);
+    }
+
+    /// Shows an illum where it is no lamp: as its alternate.
+    fn illum(&mut self, mut layer: Layer, named: &Named, before: (Rgb, Vec3)) {
+        // What gathers light has the illum's own light already; nor may one weak source light through another.
+        if layer.point.front && self.coming.lamp().map_or(self.coming.gathered, |lamp| self.world.lamps[lamp].weak) {
+            layer.emission = Some(Emission::BLACK);
+            return (self.out)(&layer);
+        }
+        match named.alternate {
+            Some(chain) => self.walk(chain, layer.fraction, before.0, before.1),
+            None => (self.out)(&Layer { material: None, ..layer }),
+        }
+    }
+
+    /// Shows a mirror: as its alternate, but to what is relayed by it to a lamp.
+    fn mirror(&mut self, mut layer: Layer, named: &Named, before: (Rgb, Vec3)) {
+        let (world, front) = (self.world, layer.point.front);
+        let relay = self.coming.lamp().and_then(|lamp| world.lamps[lamp].relay).filter(|r| r.mirror == self.surface);
+        // What gathers light has the mirror's own already, if its alternate holds back the light beyond.
+        let clear = |&chain: &ChainId| world.material_of(&world.chains[chain]).is_some_and(|named| named.material.nominally_transparent());
+        let own = self.coming.gathered && front;
+        if let Some(chain) = named.alternate.filter(|chain| relay.is_none() && (!own || clear(chain))) {
+            return self.walk(chain, layer.fraction, before.0, before.1);
+        }
+        layer.relay = relay.map(|r| r.lamp);
+        if layer.relay.is_some() || self.coming.ambient {
+            layer.point = self.point(Some(named), front, Vec3::ZERO);
+        }
+        (self.out)(&layer);
+    }
+
+    /// Shows antimatter: nothing, or what it shows of the bodies it cuts.
+    fn antimatter(&mut self, layer: Layer, named: &Named, before: (Rgb, Vec3)) {
+        let mut clip = self.coming.clip();
+        let inside = clip.is_inside(&named.removes);
+        clip.cut(&named.removes, layer.point.front);
+        self.clip = Some(Box::new(clip));
+        if let Some(chain) = named.alternate.filter(|_| inside) {
+            // It is shaded as if it faced the other way.
+            (self.at.normal, self.at.rdot) = (-self.at.normal, -self.at.rdot);
+            return self.walk(chain, layer.fraction, before.0, before.1);
+        }
+        (self.out)(&Layer { material: None, clip: self.clip.clone(), ..layer });
     }
 
     /// The hit as a material needs to know it.
