@@ -61,111 +61,159 @@ const ANYWHERE: f64 = 0.9;
 
 /// What there is to think of the values of an unknown, by what is known of their errors.
 pub fn judge(unknown: &Unknown, values: &[f64], known: &Known) -> Judgement {
-    let parameters = unknown.parameters();
-    let n = parameters.len();
-    // What bounds alone would say is 1.
-    let units: Vec<f64> = parameters.iter().map(Parameter::anywhere).collect();
-    let seen = &known.covariance;
-    let dull = lusterless(unknown, values, seen);
-    let dull = |i: usize| dull && ROUGHNESSES.contains(&parameters[i].name.as_str());
-    let unseen = |i: usize| !seen.at(i, i).is_finite() || dull(i) || known.misfit >= ELSEWHERE;
-    let scaled = |m: &Symmetric, i: usize, j: usize| {
-        let one = f64::from(i == j);
-        if unseen(i) || unseen(j) { one } else { Some(m.at(i, j) / (units[i] * units[j])).filter(|x| x.is_finite()).unwrap_or(one) }
-    };
-    let (off, astray) = (known.misfit.max(COMMON), known.misfit >= ASTRAY);
-    let moved = |i: usize, j: usize| known.common.map_or(0.0, |common| scaled(common, i, j) * (off / COMMON).powi(2));
-    let whole = Symmetric::of(n, |i, j| scaled(seen, i, j) + moved(i, j));
-    let whole = whole.with_eigenvalues(|v| v.clamp(1e-18, 1.0));
-    let inverse = whole.with_eigenvalues(|v| 1.0 / v);
-    let correlations = whole.correlations();
-    let open = |i: usize| whole.at(i, i).sqrt() >= UNDETERMINED;
-    // What would be known if all others were.
-    let alone = |i: usize| inverse.at(i, i).sqrt().recip() >= UNDETERMINED;
-    let mut standings = vec![Standing::Determined; n];
-    let mut doubts = Vec::new();
-    let mut left: Vec<usize> = (0..n).filter(|&i| open(i)).collect();
-    left.sort_by(|&a, &b| whole.at(b, b).total_cmp(&whole.at(a, a)));
-    for pivot in left {
-        if standings[pivot] != Standing::Determined {
-            continue;
-        }
-        let goes =
-            |i: &usize| *i != pivot && standings[*i] == Standing::Determined && !alone(*i) && correlations.at(*i, pivot).abs() >= TOGETHER;
-        let partners: Vec<usize> = if alone(pivot) { vec![] } else { (0..n).filter(goes).collect() };
-        let exposure = |i: &&usize| EXPOSURES.contains(&&parameters[**i].name[..]);
-        let help = remedy(unknown, values, partners.iter().find(exposure).copied().unwrap_or(pivot));
-        if partners.is_empty() {
-            standings[pivot] = Standing::Open;
-            let part = whole.at(pivot, pivot).sqrt();
-            let why = if scaled(seen, pivot, pivot).sqrt() < UNDETERMINED {
-                let far = if part > ANYWHERE { "anywhere between its bounds".to_string() } else { by(part * units[pivot]) };
-                format!("an error of {} % in the light, the shape or the picture could move it {far}", percent(off))
-            } else if known.common.is_some() {
-                "this picture and this light say next to nothing of it".to_string()
-            } else {
-                "the chi-squareds that were seen are too few, or too noisy, or say little of it".to_string()
-            };
-            // Where nothing explains the picture, no other light or view would; nor for what is held by a bound, which is said of it.
-            let rough = ROUGHNESSES.contains(&parameters[pivot].name.as_str());
-            let held = !rough && at_bound(&parameters[pivot], values[pivot], None).is_some_and(|(_, bound)| bound != 0.0);
-            if !astray && !held {
-                doubts.push(format!("{} is not determined: {why}; {help}", parameters[pivot].name));
-            }
-        } else {
-            partners.iter().chain([&pivot]).for_each(|&i| standings[i] = Standing::Together);
-            let covariance = Symmetric::of(n, |i, j| whole.at(i, j) * units[i] * units[j]);
-            doubts.push(format!("{}; {help}", together(parameters, values, &covariance, pivot, &partners)));
-        }
-    }
-    let determined = |i: usize| standings[i] == Standing::Determined;
+    let errors = Errors::new(unknown, values, known);
+    let n = values.len();
+    let (standings, mut doubts) = errors.doubts(unknown, values);
     let explained = known.misfit <= COMMON;
     if !explained {
-        let far = |i: usize| format!("{} {}", parameters[i].name, by(moved(i, i).sqrt() * units[i]));
-        let far: Vec<String> = (0..n).filter(|&i| determined(i)).map(far).collect();
+        doubts.insert(0, errors.unexplained(&standings));
+    }
+    if let Some(blur) = known.blur.filter(Blur::is_sure) {
+        doubts.insert(0, misjudged(&blur));
+    }
+    let (seen, whole) = (&known.covariance, &errors.whole);
+    let plain = |i: usize| explained && standings[i] == Standing::Determined;
+    let error = |i: usize| {
+        let whole = whole.at(i, i).sqrt() * errors.units[i];
+        if plain(i) { seen.at(i, i).max(0.0).sqrt().min(whole) } else { whole }
+    };
+    let [alike, whole] = [seen, whole].map(Symmetric::correlations);
+    let correlations = Symmetric::of(n, |i, j| if plain(i) && plain(j) { alike.at(i, j) } else { whole.at(i, j) });
+    Judgement { errors: (0..n).map(error).collect(), correlations, standings, doubts }
+}
+
+/// The errors of some values, in terms of what bounds alone would say of each, which is 1.
+struct Errors<'a> {
+    parameters: &'a [Parameter],
+    known: &'a Known<'a>,
+    /// What bounds alone would say.
+    units: Vec<f64>,
+    /// Of what the picture cannot tell anything.
+    unseen: Vec<bool>,
+    /// The covariance, with the errors that pixels have in common.
+    whole: Symmetric,
+}
+
+impl<'a> Errors<'a> {
+    fn new(unknown: &'a Unknown, values: &[f64], known: &'a Known<'a>) -> Self {
+        let (parameters, seen) = (unknown.parameters(), &known.covariance);
+        let n = parameters.len();
+        let dull = lusterless(unknown, values, seen);
+        let unseen = |i: usize| !seen.at(i, i).is_finite() || dull && is_roughness(&parameters[i]) || known.misfit >= ELSEWHERE;
+        let (units, unseen) = (parameters.iter().map(Parameter::anywhere).collect(), (0..n).map(unseen).collect());
+        let mut errors = Self { parameters, known, units, unseen, whole: Symmetric::diagonal(&[]) };
+        let whole = Symmetric::of(n, |i, j| errors.scaled(seen, i, j) + errors.moved(i, j));
+        errors.whole = whole.with_eigenvalues(|v| v.clamp(1e-18, 1.0));
+        errors
+    }
+
+    fn scaled(&self, covariance: &Symmetric, i: usize, j: usize) -> f64 {
+        let one = f64::from(i == j);
+        let scaled = covariance.at(i, j) / (self.units[i] * self.units[j]);
+        if self.unseen[i] || self.unseen[j] || !scaled.is_finite() { one } else { scaled }
+    }
+
+    /// The error that the pixels are taken to have in common.
+    fn off(&self) -> f64 {
+        self.known.misfit.max(COMMON)
+    }
+
+    /// What that makes of the covariance.
+    fn moved(&self, i: usize, j: usize) -> f64 {
+        self.known.common.map_or(0.0, |common| self.scaled(common, i, j) * (self.off() / COMMON).powi(2))
+    }
+
+    /// How far each parameter is determined, and a sentence on each that is not, or on those that are so only together.
+    fn doubts(&self, unknown: &Unknown, values: &[f64]) -> (Vec<Standing>, Vec<String>) {
+        let (parameters, whole, n) = (self.parameters, &self.whole, values.len());
+        let (inverse, correlations) = (whole.with_eigenvalues(|v| 1.0 / v), whole.correlations());
+        // What would be known if all others were.
+        let alone = |i: usize| inverse.at(i, i).sqrt().recip() >= UNDETERMINED;
+        let mut left: Vec<usize> = (0..n).filter(|&i| whole.at(i, i).sqrt() >= UNDETERMINED).collect();
+        left.sort_by(|&a, &b| whole.at(b, b).total_cmp(&whole.at(a, a)));
+        let (mut standings, mut doubts) = (vec![Standing::Determined; n], vec![]);
+        for pivot in left {
+            if standings[pivot] != Standing::Determined {
+                continue;
+            }
+            let goes = |i: &usize| {
+                *i != pivot && standings[*i] == Standing::Determined && !alone(*i) && correlations.at(*i, pivot).abs() >= TOGETHER
+            };
+            let partners: Vec<usize> = if alone(pivot) { vec![] } else { (0..n).filter(goes).collect() };
+            let exposure = |i: &&usize| EXPOSURES.contains(&&parameters[**i].name[..]);
+            let help = remedy(unknown, values, partners.iter().find(exposure).copied().unwrap_or(pivot));
+            if partners.is_empty() {
+                standings[pivot] = Standing::Open;
+                // Where nothing explains the picture, no other light or view would; nor for what is held by a bound, which is said of it.
+                let p = &parameters[pivot];
+                let held = !is_roughness(p) && at_bound(p, values[pivot], None).is_some_and(|(_, bound)| bound != 0.0);
+                if self.known.misfit < ASTRAY && !held {
+                    doubts.push(format!("{} is not determined: {}; {help}", p.name, self.why(pivot)));
+                }
+            } else {
+                partners.iter().chain([&pivot]).for_each(|&i| standings[i] = Standing::Together);
+                let covariance = Symmetric::of(n, |i, j| whole.at(i, j) * self.units[i] * self.units[j]);
+                doubts.push(format!("{}; {help}", together(parameters, values, &covariance, pivot, &partners)));
+            }
+        }
+        (standings, doubts)
+    }
+
+    /// Why a parameter is not determined.
+    fn why(&self, i: usize) -> String {
+        if self.scaled(&self.known.covariance, i, i).sqrt() < UNDETERMINED {
+            let part = self.whole.at(i, i).sqrt();
+            let far = if part > ANYWHERE { "anywhere between its bounds".to_string() } else { by(part * self.units[i]) };
+            format!("an error of {} % in the light, the shape or the picture could move it {far}", percent(self.off()))
+        } else if self.known.common.is_some() {
+            "this picture and this light say next to nothing of it".to_string()
+        } else {
+            "the chi-squareds that were seen are too few, or too noisy, or say little of it".to_string()
+        }
+    }
+
+    /// That the picture is not explained, how far that could move what is determined, and what it leaves open.
+    fn unexplained(&self, standings: &[Standing]) -> String {
+        let of = |standing: Standing| (0..standings.len()).filter(move |&i| standings[i] == standing);
+        let far = |i: usize| format!("{} {}", self.parameters[i].name, by(self.moved(i, i).sqrt() * self.units[i]));
+        let far: Vec<String> = of(Standing::Determined).map(far).collect();
         let harm = if far.is_empty() {
             String::new()
         } else {
             format!("; so large an error could move {}, as the standard errors say", list(&far))
         };
-        let open: Vec<&str> = (0..n).filter(|&i| standings[i] == Standing::Open).map(|i| parameters[i].name.as_str()).collect();
+        let open: Vec<&str> = of(Standing::Open).map(|i| self.parameters[i].name.as_str()).collect();
+        let astray = self.known.misfit >= ASTRAY;
         let lost = if astray && !open.is_empty() { format!("; {} cannot be told by it", list(&open)) } else { String::new() };
-        let exposed = parameters.iter().any(|p| EXPOSURES.contains(&p.name.as_str()));
+        let exposed = self.parameters.iter().any(|p| EXPOSURES.contains(&p.name.as_str()));
         let exposure = if exposed { "" } else { "the exposure (--param exposure=1:.5:2), " };
-        doubts.insert(
-            0,
-            format!(
-                "whole areas of the picture are {} brighter or darker than any noise explains: the light, {exposure}the shape, the type or a bound may not be those of the photograph{harm}{lost}",
-                match off {
-                    ..ELSEWHERE => format!("{} %", percent(off)),
-                    ..10.0 => format!("{off:.1} times"),
-                    _ => format!("{off:.0} times"),
-                }
-            ),
-        );
+        format!(
+            "whole areas of the picture are {} brighter or darker than any noise explains: the light, {exposure}the shape, the type or a bound may not be those of the photograph{harm}{lost}",
+            match self.off() {
+                off @ ..ELSEWHERE => format!("{} %", percent(off)),
+                off @ ..10.0 => format!("{off:.1} times"),
+                off => format!("{off:.0} times"),
+            }
+        )
     }
-    if let Some(blur) = known.blur.filter(Blur::is_sure) {
-        let (how, passes) = if blur.more > 0.0 { ("more", "rougher") } else { ("less", "smoother") };
-        let radius = blur.radius().0;
-        let cause = if radius < CENTRED {
-            "as samples of the pixels' centres are (-pj 0); --filter auto reckons with it".into()
-        } else if radius <= WIDEST {
-            format!("a filter of radius {radius:.2} makes such pixels (pfilt -r); --filter auto reckons with it")
-        } else {
-            "no filter blurs so much; the view, the shape or the light may not be those of the photograph".into()
-        };
-        doubts
-            .insert(0, format!("the picture is {how} blurred than its pixels are taken to be, and things seem {passes} by that: {cause}"));
-    }
-    let plain = |i: usize| explained && determined(i);
-    let error = |i: usize| {
-        let whole = whole.at(i, i).sqrt() * units[i];
-        if plain(i) { seen.at(i, i).max(0.0).sqrt().min(whole) } else { whole }
+}
+
+/// That the picture is blurred otherwise than was taken for given.
+fn misjudged(blur: &Blur) -> String {
+    let (how, passes) = if blur.more > 0.0 { ("more", "rougher") } else { ("less", "smoother") };
+    let radius = blur.radius().0;
+    let cause = if radius < CENTRED {
+        "as samples of the pixels' centres are (-pj 0); --filter auto reckons with it".into()
+    } else if radius <= WIDEST {
+        format!("a filter of radius {radius:.2} makes such pixels (pfilt -r); --filter auto reckons with it")
+    } else {
+        "no filter blurs so much; the view, the shape or the light may not be those of the photograph".into()
     };
-    let errors = (0..n).map(error).collect();
-    let alike = seen.correlations();
-    let correlations = Symmetric::of(n, |i, j| if plain(i) && plain(j) { alike.at(i, j) } else { correlations.at(i, j) });
-    Judgement { errors, correlations, standings, doubts }
+    format!("the picture is {how} blurred than its pixels are taken to be, and things seem {passes} by that: {cause}")
+}
+
+fn is_roughness(p: &Parameter) -> bool {
+    ROUGHNESSES.contains(&p.name.as_str())
 }
 
 /// The bound that a value is at, if it is at one: nearer than a part of the range, and than its error, if that is known.
