@@ -1,16 +1,17 @@
 //! A photograph, the scene it was taken in, and what is unknown there, from what was typed.
 
+mod direct;
+
+pub use direct::Direct;
+
 use super::remarks::{elsewhere, near_lamps, remarks};
-use super::search::Objective;
 use super::stream::input;
 use super::{Console, Disk, Outcome, scene};
-use crate::anneal::Parameter;
-use crate::anneal::linear::Symmetric;
-use crate::args::anneal::{Arguments, Sharpness};
+use crate::args::anneal::{Arguments, Photo as PhotoOptions, Sharpness};
 use crate::color::Rgb;
 use crate::error::{Error, Result};
 use crate::expand::{Flat, expand};
-use crate::metric::{self, Loss, Named};
+use crate::metric::{self, Named};
 use crate::picture::{Header, Picture, shrunk};
 use crate::rad::{Class, Document, Number, Primitive};
 use crate::recover::exposure::exposed;
@@ -61,27 +62,8 @@ impl<'a> Photo<'a> {
             Ok((name.clone(), Picture::read(&bytes, &name)?))
         };
         let taken = target.map(read).transpose()?;
-        let trail = || taken.iter().flat_map(|(_, target)| target.header.lines.iter().map(String::as_str));
-        let own = View::said(trail());
-        let view = if photo.view.words.is_empty() {
-            let picture = taken.as_ref().map_or_else(String::new, |(name, _)| format!(", and {name} does not say its own"));
-            own.ok_or_else(|| Error::new(format!("no view{picture}; give the view it is taken from with -vf FILE")))?
-        } else {
-            let asked = scene::view(&photo.view)?;
-            if let (Some(own), Some((name, _))) = (own, &taken) {
-                elsewhere(name, &own, &asked).iter().for_each(|remark| console.warn(remark));
-            }
-            asked
-        };
-        let film = match &taken {
-            Some((_, target)) => Film::new(&view, target.width, target.height, 0.0)?,
-            None => Film::new(&view, photo.x.unwrap_or(PREDICTED), photo.y.unwrap_or(PREDICTED), 1.0)?,
-        };
-        let film = match (photo.filter, Filter::said(trail())) {
-            (Some(Sharpness::Radius(radius)), _) => film.through(Filter::gaussian(radius, None)),
-            (_, Some(said)) => film.through(said),
-            _ => film,
-        };
+        let view = view_of(taken.as_ref(), photo, console)?;
+        let film = film_of(taken.as_ref(), &view, photo)?;
         let rules = arguments.light.rules(&|file| scene::list(&disk, file))?;
         if let Some((name, target)) = &taken {
             let light = &arguments.light;
@@ -103,20 +85,7 @@ impl<'a> Photo<'a> {
         documents.extend(scene::documents(&photo.scene, &disk)?);
         documents.iter().for_each(|document| disk.count(&document.source.name, &document.bytes()));
         let mut flat = expand(documents, &disk)?;
-        // The scene's own definition of the unknown does not count.
-        let sought = &unknown.material().name;
-        let is_it = |p: &Primitive| p.name == *sought && p.type_of().is_some_and(|t| t.class == Class::Material);
-        flat.primitives.retain(|p| !is_it(p) || Arc::ptr_eq(&p.span.source, &unknown.source().source));
-        let place = flat.primitives.iter().rposition(is_it);
-        let place = place.ok_or_else(|| unknown.material().error("it is not in the scene"))?;
-
-        let (material, defined) = (unknown.material(), |of: &[Primitive]| of.iter().any(|p| p.name == unknown.material().modifier));
-        if !defined(&flat.primitives[..place]) && defined(&flat.primitives[place..]) {
-            let modifier = &material.modifier;
-            let problem =
-                format!("the scene defines `{modifier}`, but what is unknown stands before it: put `{modifier}` into this file, above");
-            return Err(material.modifier_error(problem).into());
-        }
+        let place = placed(&mut flat, unknown)?;
         let reading = scene::reading(&arguments.reading, &disk)?;
         let scene = scene::built(&flat, &disk, &reading, &arguments.light, console)?;
         let material = scene.material(&flat.primitives[place]);
@@ -277,6 +246,57 @@ impl<'a> Photo<'a> {
     }
 }
 
+/// A picture that was read, and what messages call it.
+type Taken = (String, Picture);
+
+/// What the header of a picture says, line by line.
+fn trail(taken: Option<&Taken>) -> impl Iterator<Item = &str> {
+    taken.into_iter().flat_map(|(_, target)| target.header.lines.iter().map(String::as_str))
+}
+
+/// The view that was asked for, else the picture's own.
+fn view_of(taken: Option<&Taken>, asked: &PhotoOptions, console: &Console) -> Outcome<View> {
+    let own = View::said(trail(taken));
+    if asked.view.words.is_empty() {
+        let picture = taken.map_or_else(String::new, |(name, _)| format!(", and {name} does not say its own"));
+        return Ok(own.ok_or_else(|| Error::new(format!("no view{picture}; give the view it is taken from with -vf FILE")))?);
+    }
+    let view = scene::view(&asked.view)?;
+    if let (Some(own), Some((name, _))) = (own, taken) {
+        elsewhere(name, &own, &view).iter().for_each(|remark| console.warn(remark));
+    }
+    Ok(view)
+}
+
+/// The film of the picture, or of one of the size that was asked for, with the filter that was, else with the picture's own.
+fn film_of(taken: Option<&Taken>, view: &View, asked: &PhotoOptions) -> Result<Film> {
+    let film = match taken {
+        Some((_, target)) => Film::new(view, target.width, target.height, 0.0)?,
+        None => Film::new(view, asked.x.unwrap_or(PREDICTED), asked.y.unwrap_or(PREDICTED), 1.0)?,
+    };
+    Ok(match (asked.filter, Filter::said(trail(taken))) {
+        (Some(Sharpness::Radius(radius)), _) => film.through(Filter::gaussian(radius, None)),
+        (_, Some(said)) => film.through(said),
+        _ => film,
+    })
+}
+
+/// The place of the unknown in a description, whose own definition of it does not count.
+fn placed(flat: &mut Flat, unknown: &Unknown) -> Result<usize> {
+    let material = unknown.material();
+    let is_it = |p: &Primitive| p.name == material.name && p.type_of().is_some_and(|t| t.class == Class::Material);
+    flat.primitives.retain(|p| !is_it(p) || Arc::ptr_eq(&p.span.source, &unknown.source().source));
+    let place = flat.primitives.iter().rposition(is_it).ok_or_else(|| material.error("it is not in the scene"))?;
+    let modifier = &material.modifier;
+    let defined = |of: &[Primitive]| of.iter().any(|p| p.name == *modifier);
+    if !defined(&flat.primitives[..place]) && defined(&flat.primitives[place..]) {
+        let problem =
+            format!("the scene defines `{modifier}`, but what is unknown stands before it: put `{modifier}` into this file, above");
+        return Err(material.modifier_error(problem));
+    }
+    Ok(place)
+}
+
 /// The world of a scene with an unknown material, ready for the picture of a film.
 fn surveyed(scene: Scene, rules: &Rules, unknown: MaterialId, film: &Film) -> Result<World> {
     let mut world = World::new(scene, rules)?;
@@ -288,98 +308,3 @@ fn surveyed(scene: Scene, rules: &Rules, unknown: MaterialId, film: &Film) -> Re
 /// What a lamp that is added is called, and its width in degrees.
 const ADDED: &str = "predicted_lamp";
 const LAMP: f64 = 2.0;
-
-/// How far to either side derivatives are taken over, in terms of a parameter's range.
-const STEP: f64 = 0.01;
-
-/// Renders the pixels that count anew for every candidate.
-pub struct Direct<'p, 'a> {
-    photo: &'p Photo<'a>,
-    pixels: Vec<usize>,
-    /// The picture's average over them.
-    average: f64,
-    loss: Loss,
-}
-
-impl<'p, 'a> Direct<'p, 'a> {
-    /// Over the pixels that show the unknown.
-    pub fn new(photo: &'p Photo<'a>, loss: Loss) -> Result<Self> {
-        let pixels = photo.evidence().pixels(&photo.unknown, photo.material)?;
-        let sum: f64 = pixels.iter().flat_map(|&number| photo.target.pixels[number]).map(f64::from).sum();
-        let average = sum / (3 * pixels.len()) as f64;
-        Ok(Self { photo, pixels, average, loss })
-    }
-
-    /// What `of` makes of each channel of each pixel of a rendering with these values: of how much the pixel counts, of what it is in the picture and in
-    /// the rendering, and of the variance of that.
-    fn compared(&self, values: &[f64], seed: u64, of: impl Fn(f64, f64, f64, f64) -> f64) -> Result<Vec<f64>> {
-        let photo = self.photo;
-        let exposure = Rgb::from(photo.unknown.exposures(values));
-        let world = photo.setting().world(&photo.unknown.reals(values))?;
-        let rendering = photo.evidence().rendered(&world, &self.pixels, seed);
-        let each = rendering.pixels.iter().zip(&self.pixels).flat_map(|(pixel, &number)| {
-            let (target, seen) = (photo.target.pixels[number], exposure * pixel.mean());
-            let variance = exposure * exposure * pixel.variance().0;
-            let weight = photo.mask.as_ref().map_or(1.0, |mask| mask[number] as f64);
-            std::array::from_fn::<f64, 3, _>(|c| of(weight, target[c] as f64, seen[c], variance[c]))
-        });
-        Ok(each.collect())
-    }
-
-    /// How far a rendering with these values is from the picture.
-    fn judged(&self, values: &[f64], loss: Loss) -> Result<f64> {
-        let each = self
-            .compared(values, self.photo.seed, |weight, target, seen, variance| weight * loss.of(target, seen, variance, self.average))?;
-        Ok(each.iter().sum())
-    }
-
-    /// What the squares are of, whose sum it makes small.
-    fn rests(&self, values: &[f64], seed: u64) -> Result<Vec<f64>> {
-        self.compared(values, seed, |weight, target, seen, _| weight.sqrt() * self.loss.rest(target, seen, self.average))
-    }
-
-    /// How they change with each value.
-    fn derivatives(&self, values: &[f64], seed: u64) -> Result<Vec<Vec<f64>>> {
-        let parameters = self.photo.unknown.parameters().iter().enumerate();
-        let derivative = |(i, parameter): (usize, &Parameter)| {
-            let at = |value: f64| self.rests(&[&values[..i], &[value], &values[i + 1..]].concat(), seed);
-            let step = STEP * parameter.range();
-            let (low, high) = ((values[i] - step).max(parameter.low), (values[i] + step).min(parameter.high));
-            Ok(at(high)?.iter().zip(at(low)?).map(|(above, below)| (above - below) / (high - low)).collect())
-        };
-        parameters.map(derivative).collect()
-    }
-}
-
-impl Objective for Direct<'_, '_> {
-    fn chi2(&mut self, values: &[f64], _: usize) -> Result<f64> {
-        self.judged(values, self.loss)
-    }
-
-    fn told(&self, values: &[f64]) -> Result<Option<f64>> {
-        (self.loss != Loss::Chi2).then(|| self.judged(values, Loss::Chi2)).transpose()
-    }
-
-    /// By the residuals of the pixels, which hold the noise of the picture and that of the renderings, the same in all (White 1980; the bounds
-    /// say what the pixels do not). What renderings of other noise do not confirm of a derivative tells nothing; and where they lead to, the values
-    /// may as well be.
-    fn covariance(&self, values: &[f64]) -> Result<Option<Symmetric>> {
-        let (parameters, seed) = (self.photo.unknown.parameters(), self.photo.seed);
-        let [rests, other_rests] = [self.rests(values, seed)?, self.rests(values, !seed)?];
-        let [slopes, other_slopes] = [self.derivatives(values, seed)?, self.derivatives(values, !seed)?];
-        let square = rests.iter().map(|rest| rest * rest).sum::<f64>() / rests.len() as f64;
-        let prior = |i: usize, j: usize| if i == j { square / parameters[i].anywhere().powi(2) } else { 0.0 };
-        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-        let n = parameters.len();
-        let pulls: Vec<Vec<f64>> = slopes.iter().map(|slope| slope.iter().zip(&rests).map(|(a, b)| a * b).collect()).collect();
-        let squares = Symmetric::of(n, |i, j| square * prior(i, j) + dot(&pulls[i], &pulls[j]));
-        let crossed = |i: usize, j: usize| 0.5 * (dot(&slopes[i], &other_slopes[j]) + dot(&other_slopes[i], &slopes[j]));
-        let known = |inverse: Symmetric| {
-            let scores: Vec<f64> = (0..n).map(|i| 0.5 * (dot(&slopes[i], &other_rests) + dot(&other_slopes[i], &rests))).collect();
-            let (errors, way) = (inverse.around(&squares), inverse.times(&scores));
-            Symmetric::of(n, |i, j| errors.at(i, j) + way[i] * way[j])
-        };
-        let nothing = || Symmetric::diagonal(&parameters.iter().map(|p| p.anywhere().powi(2)).collect::<Vec<_>>());
-        Ok(Some(Symmetric::of(n, |i, j| prior(i, j) + crossed(i, j)).inverse().map_or_else(nothing, known)))
-    }
-}
