@@ -34,16 +34,17 @@ pub const LANES: usize = 8;
 type Nodes<const L: usize> = [f32x8; L];
 
 /// What is unknown, and how it is explored.
-pub enum Unknown {
+#[derive(Clone, Copy)]
+pub enum Explored<'a> {
     /// Rough, reflecting and perhaps transmitting.
-    Rough(Box<Rough>),
+    Rough(&'a Rough),
     /// Smooth and transparent.
-    Clear(Box<Clear>),
+    Clear(&'a Clear),
 }
 
-impl Unknown {
+impl Explored<'_> {
     /// The columns of a channel.
-    pub fn columns(&self) -> usize {
+    pub fn columns(self) -> usize {
         match self {
             Self::Rough(rough) => rough.monomials.columns(),
             Self::Clear(clear) => clear.columns(),
@@ -56,7 +57,7 @@ impl Unknown {
 pub struct Basis {
     /// Independent estimates of each pixel.
     pub sets: usize,
-    /// Columns of a channel: [`Unknown::columns`].
+    /// Columns of a channel: [`Explored::columns`].
     pub columns: usize,
     /// Samples, pixel by pixel, in each set by set.
     pub samples: Vec<f32>,
@@ -167,7 +168,7 @@ pub struct Pixels<'a> {
 }
 
 /// Traces the basis of some pixels, `sets` independent estimates of it. `seed` makes one tracing independent of another.
-pub fn trace(world: &World, rules: &Rules, unknown: &Unknown, pixels: &Pixels, sets: usize, seed: u64) -> Basis {
+pub fn trace(world: &World, rules: &Rules, unknown: Explored, pixels: &Pixels, sets: usize, seed: u64) -> Basis {
     let columns = unknown.columns();
     let width = sets * 3 * columns;
     let mut values = vec![0f32; pixels.numbers.len() * width];
@@ -187,20 +188,20 @@ pub fn trace(world: &World, rules: &Rules, unknown: &Unknown, pixels: &Pixels, s
         });
         let mixture = mixture.as_ref();
         match unknown {
-            Unknown::Rough(rough) if rough.nodes.len() <= LANES => {
+            Explored::Rough(rough) if rough.nodes.len() <= LANES => {
                 follow(world, rules, pixels.lens, seed, pieces, mixture, |columns| rough::Tagging::<1> { rules, unknown: rough, columns });
             }
-            Unknown::Rough(rough) if rough.nodes.len() <= 2 * LANES => {
+            Explored::Rough(rough) if rough.nodes.len() <= 2 * LANES => {
                 follow(world, rules, pixels.lens, seed, pieces, mixture, |columns| rough::Tagging::<2> { rules, unknown: rough, columns });
             }
-            Unknown::Rough(rough) => {
+            Explored::Rough(rough) => {
                 follow(world, rules, pixels.lens, seed, pieces, mixture, |columns| rough::Tagging::<{ MOST_NODES / LANES }> {
                     rules,
                     unknown: rough,
                     columns,
                 });
             }
-            Unknown::Clear(clear) => {
+            Explored::Clear(clear) => {
                 follow(world, rules, pixels.lens, seed, pieces, mixture, |columns| clear::Dimming {
                     colors: Radiance { rules, sum: Rgb::ZERO },
                     unknown: clear,

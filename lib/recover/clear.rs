@@ -16,7 +16,7 @@ use crate::error::Result;
 use crate::geometry::Ray;
 use crate::material::{GLASS_INDEX, hartmann};
 use crate::scene::MaterialId;
-use crate::transport::{self, Basis, Clear, Pixels, depth};
+use crate::transport::{self, Basis, Clear, Explored, Pixels, depth};
 use crate::unknown::Unknown;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -59,7 +59,7 @@ pub struct Stage<'a> {
     /// The unknown.
     pub unknown: &'a Unknown,
     indices: Vec<f64>,
-    parts: Vec<transport::Unknown>,
+    parts: Vec<Clear>,
     /// Where the columns stand by what they let through.
     depths: Vec<f64>,
     length: f64,
@@ -73,9 +73,8 @@ impl<'a> Stage<'a> {
         let Through { unknown, length, .. } = sought;
         let glass = unknown.material().kind == "glass";
         let constant = unknown.reals(&unknown.start()).get(4).copied().unwrap_or(0.0);
-        let clear: Vec<Clear> = indices.iter().map(|&index| Clear::new(material, glass, hartmann(index, constant), *length)).collect();
-        let depths = clear[0].nodes.iter().map(|t| depth(*t)).collect();
-        let parts = clear.into_iter().map(|c| transport::Unknown::Clear(Box::new(c))).collect();
+        let parts: Vec<Clear> = indices.iter().map(|&index| Clear::new(material, glass, hartmann(index, constant), *length)).collect();
+        let depths = parts[0].nodes.iter().map(|t| depth(*t)).collect();
         Self { evidence, unknown, indices, parts, depths, length: *length, known: None }
     }
 
@@ -101,16 +100,13 @@ impl Model for Stage<'_> {
         self.known = Some(values.to_vec());
         let a = self.unknown.reals(values);
         let extinction = Rgb::from(std::array::from_fn(|c| -a[c].clamp(DARKEST, 1.0).ln() / self.length));
-        for part in &mut self.parts {
-            let transport::Unknown::Clear(clear) = part else { unreachable!() };
-            clear.guess = extinction;
-        }
+        self.parts.iter_mut().for_each(|part| part.guess = extinction);
     }
 
     fn trace(&self, pixels: &[usize], samples: &[Range<u32>], seed: u64) -> Basis {
         let guess = self.known.as_ref().map(|values| self.columns(values));
         let pixels = Pixels { numbers: pixels, samples, lens: &self.evidence.film.lens(), picture: guess.as_ref() };
-        let at = |unknown| transport::trace(self.evidence.world, self.evidence.rules, unknown, &pixels, 2, seed);
+        let at = |clear| transport::trace(self.evidence.world, self.evidence.rules, Explored::Clear(clear), &pixels, 2, seed);
         Basis::beside(&self.parts.iter().map(at).collect::<Vec<_>>())
     }
 

@@ -12,7 +12,7 @@ use crate::anneal::{Annealer, Options};
 use crate::color::Rgb;
 use crate::error::Result;
 use crate::scene::MaterialId;
-use crate::transport::{self, Alpha, Basis, POLISHED_ORDER, Pixels, Rough};
+use crate::transport::{self, Alpha, Basis, Explored, POLISHED_ORDER, Pixels, Rough};
 use crate::unknown::Unknown;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -90,7 +90,8 @@ struct Stage<'a> {
     kind: Kind,
     /// Roughnesses of the nodes.
     grid: Grid,
-    what: transport::Unknown,
+    /// How it is explored.
+    rough: Rough,
     /// The roughness as far as is known, and those that directions are drawn around: as much rougher as it may be, since narrower ones tell little.
     near: [f64; 2],
     middle: [f64; 2],
@@ -108,18 +109,7 @@ impl<'a> Stage<'a> {
             true => Rough::polished(material, kind.metal, kind.transmits, &grid[0]),
             false => Rough::new(material, kind.metal, kind.transmits, alphas(kind, &grid), proposals),
         };
-        Self {
-            evidence,
-            unknown,
-            material,
-            kind,
-            grid,
-            what: transport::Unknown::Rough(Box::new(rough)),
-            near: middle,
-            middle,
-            errors: [0.0; 2],
-            guess: None,
-        }
+        Self { evidence, unknown, material, kind, grid, rough, near: middle, middle, errors: [0.0; 2], guess: None }
     }
 
     /// A stage of one that is polished.
@@ -138,9 +128,8 @@ impl<'a> Stage<'a> {
     /// Takes the values for the true ones where they only decide what is worth how many samples.
     fn know(&mut self, values: &[f64], control: bool) {
         let known = parts(self.kind, &self.unknown.reals(values)).map(Rgb::from);
-        let transport::Unknown::Rough(rough) = &mut self.what else { unreachable!() };
-        rough.know(known);
-        rough.control = control;
+        self.rough.know(known);
+        self.rough.control = control;
         self.guess = Some(self.coefficients(values));
     }
 
@@ -203,19 +192,17 @@ impl Model for Stage<'_> {
         (self.middle, self.near, self.errors) = ([0, 1].map(beyond), near, errors);
         let middle = self.middle;
         let factors: &[f64] = if known { &NARROW } else { &WIDE };
-        let transport::Unknown::Rough(rough) = &mut self.what else { unreachable!() };
-        rough.propose(factors.iter().map(|f| middle.map(|m| (f * m).powi(2))).collect());
+        self.rough.propose(factors.iter().map(|f| middle.map(|m| (f * m).powi(2))).collect());
         self.know(values, self.sharp());
     }
 
     fn trace(&self, pixels: &[usize], samples: &[Range<u32>], seed: u64) -> Basis {
         let pixels = Pixels { numbers: pixels, samples, lens: &self.evidence.film.lens(), picture: self.guess.as_ref() };
-        transport::trace(self.evidence.world, self.evidence.rules, &self.what, &pixels, 2, seed)
+        transport::trace(self.evidence.world, self.evidence.rules, Explored::Rough(&self.rough), &pixels, 2, seed)
     }
 
     fn coefficients(&self, values: &[f64]) -> [Vec<f64>; 3] {
-        let transport::Unknown::Rough(rough) = &self.what else { unreachable!() };
-        let scene = coefficients(self.kind, &rough.monomials, &self.grid, &self.unknown.reals(values));
+        let scene = coefficients(self.kind, &self.rough.monomials, &self.grid, &self.unknown.reals(values));
         exposed(scene, self.unknown.exposures(values))
     }
 

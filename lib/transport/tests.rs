@@ -1,6 +1,6 @@
 //! The basis, put together with the numbers of a material, is the picture that a plain rendering makes of the same samples.
 
-use super::{Basis, Clear, Columns, LANES, Mixture, ORDER, Piece, Pixels, Rough, Transport, Unknown, clear, follow, rough, trace};
+use super::{Basis, Clear, Columns, Explored, LANES, Mixture, ORDER, Piece, Pixels, Rough, Transport, clear, follow, rough, trace};
 use crate::bsdf::{Arriving, Bsdf, Delta, Part};
 use crate::color::Rgb;
 use crate::error::Source;
@@ -50,7 +50,7 @@ fn lens(number: usize, [u, v]: [f64; 2]) -> Option<(Vec3, Vec3, f64)> {
 const SAMPLES: u32 = 24;
 const SEED: u64 = 7;
 
-fn basis(world: &World, rules: &Rules, unknown: &Unknown, x: &[Vec<f64>; 3]) -> Basis {
+fn basis(world: &World, rules: &Rules, unknown: Explored, x: &[Vec<f64>; 3]) -> Basis {
     let numbers: Vec<usize> = (0..16).collect();
     let samples = vec![0..SAMPLES; numbers.len()];
     trace(world, rules, unknown, &Pixels { numbers: &numbers, samples: &samples, lens: &lens, picture: Some(x) }, 1, SEED)
@@ -231,12 +231,11 @@ fn check_rough_by(rules: Rules, kind: Kind, name: &str, sets: [&[f64]; 5]) {
     let nodes: Vec<[f64; 2]> = alphas(kind, &grid);
     let rough = Rough::new(material, kind.metal, kind.transmits, nodes, [0.06, 0.15].map(|a| [a * a; 2]).to_vec());
     assert!(grid[0].len() <= LANES);
-    let unknown = Unknown::Rough(Box::new(rough.clone()));
     for a in sets {
         let mut x = coefficients(kind, &rough.monomials, &grid, a);
         // The plain rendering ends where products do.
         x.iter_mut().for_each(|x| x[rough.monomials.told()..].fill(0.0));
-        let basis = basis(&start, &rules, &unknown, &x);
+        let basis = basis(&start, &rules, Explored::Rough(&rough), &x);
         let (world, _) = world(&write(a), &rules);
         let mut picture = [Told::default(); 16];
         plain(&world, &rules, &mut picture, |sum| Plain {
@@ -318,6 +317,6 @@ fn a_basis_of_dielectric_is_the_picture() {
             order: u8::MAX,
             sum,
         });
-        compare(&basis(&world, &rules, &Unknown::Clear(Box::new(clear)), &x), &x, &picture);
+        compare(&basis(&world, &rules, Explored::Clear(&clear), &x), &x, &picture);
     }
 }
