@@ -86,10 +86,10 @@ fn width(axis: &[f64], at: usize) -> f64 {
 impl Look<'_> {
     /// What was found; averaged, if some of its values are in doubt.
     pub fn averaged(&self, looked: Looked, sheet: &Sheet, model: &dyn Model, basis: &Basis) -> Looked {
-        let Looked { mut found, aside } = looked;
+        let Looked { mut found, aside, held } = looked;
         let range = Range { axes: model.doubtful(&found) };
         if range.axes.is_empty() {
-            return Looked { found, aside };
+            return Looked { found, aside, held };
         }
         found.values.iter_mut().zip(&aside.0).for_each(|(value, way)| *value -= way);
         let doubtful = |parameter: usize| range.axes.iter().any(|(slot, _)| *slot == parameter);
@@ -148,7 +148,7 @@ impl Look<'_> {
         found.covariance = Symmetric::of(values.len(), |p, q| within(p, q) + between(p, q) + aside.1.at(p, q));
         let moved = values.iter().zip(&aside.0).map(|(value, way)| value + way);
         found.values = moved.zip(self.bounds).map(|(value, (low, high))| value.clamp(*low, *high)).collect();
-        Looked { found, aside }
+        Looked { found, aside, held }
     }
 }
 

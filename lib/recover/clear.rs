@@ -4,7 +4,7 @@
 
 use super::foresight::at_a_glance;
 use super::indices::Search;
-use super::look::{Look, Model};
+use super::look::{Look, Looked, Model};
 use super::model::{cubic, exposed, lagrange};
 use super::seen::First;
 use super::sheet::Sheet;
@@ -149,7 +149,7 @@ impl Model for Stage<'_> {
         LEAST
     }
 
-    fn holds(&self, found: &Recovery) -> bool {
+    fn holds(&self, found: &Recovery, _: &Basis) -> bool {
         let inside = |value: f64| value > self.indices[0] && value < self.indices[self.indices.len() - 1];
         slot(self.unknown).is_none_or(|i| inside(found.values[i])) && self.tells(found)
     }
@@ -306,8 +306,8 @@ fn looked(
         let mut stage = Stage::new(evidence, sought, material, indices);
         let another = || look < MOST_LOOKS && effort.affords_another(begin, look);
         let closer = Look { evidence, pixels, parameters, bounds: &bounds, effort: &effort, another: &another };
-        let found = closer.at(&mut stage, &best, &mut seeds).found;
-        let Some(i) = slot.filter(|_| !stage.holds(&found) && found.amiss().is_none()) else { return Ok(found) };
+        let Looked { found, held, .. } = closer.at(&mut stage, &best, &mut seeds);
+        let Some(i) = slot.filter(|_| !held && found.amiss().is_none()) else { return Ok(found) };
         let open = found.errors()[i] > aside && aside < WIDEST;
         if (open || !stage.tells(&found)) && another() {
             (best, aside) = (found.values, WIDER * aside);

@@ -52,8 +52,8 @@ pub trait Model: Sync {
     /// noise, which the bottom of χ² takes for signal; derivatives are noise too, and noise is multiplied with noise.
     fn least(&self) -> f64;
 
-    /// Whether what was found lies well inside of where it can be: if not, it had better be looked at by a model around it.
-    fn holds(&self, found: &Recovery) -> bool;
+    /// Whether what was found with a basis lies well inside of where the model can be trusted: if not, it had better be looked at by one around it.
+    fn holds(&self, found: &Recovery, basis: &Basis) -> bool;
 }
 
 /// By how much a round adds to all samples before it, at the least and at the most: errors fall faster than samples grow while the derivatives
@@ -82,6 +82,8 @@ pub struct Looked {
     pub found: Recovery,
     /// How far that was moved from where pixels have it that are not held back.
     pub aside: Way,
+    /// Whether the model held there.
+    pub held: bool,
 }
 
 /// What is looked at, and with what in mind.
@@ -118,10 +120,10 @@ impl Look<'_> {
             if self.evidence.blurred {
                 let blurred = self.blurred(found.clone(), &sheet, model, &seen.basis);
                 if blurred.amiss().is_some() {
-                    return Looked { aside: aside(found, &blurred), found: blurred };
+                    return Looked { aside: aside(found, &blurred), held: model.holds(&blurred, &seen.basis), found: blurred };
                 }
             }
-            let strayed = !model.holds(found);
+            let strayed = !model.holds(found, &seen.basis);
             let budget = if self.effort.tolerance.is_none() { BUDGET / seen.each / seen.counts()[0] } else { f64::INFINITY };
             let time = seen.time_left((self.effort.until)());
             let drifts = fit.held && model.glints() && !strayed && !self.effort.quick;
@@ -146,16 +148,17 @@ impl Look<'_> {
     /// taken to see that, and by all that values may be where the pixels hardly tell them.
     fn last(&self, fit: Fit, sheet: &Sheet, model: &dyn Model, basis: &Basis, share: Option<f64>, seeds: &mut Seeds) -> Looked {
         let Fit { found, withheld, .. } = fit;
-        let strayed = !model.holds(&found);
+        let strayed = !model.holds(&found, basis);
         let moved = self.moved(found.clone(), withheld.filter(|_| !strayed), model);
         let drift = share.map(|share| self.drift(sheet, model, basis, &moved.values, share, seeds));
         let moved = self.blurred(self.moved(moved, drift, model), sheet, model, basis);
-        let looked = Looked { aside: aside(&found, &moved), found: moved };
+        let looked = Looked { aside: aside(&found, &moved), held: model.holds(&moved, basis), found: moved };
         if self.effort.quick || strayed && (self.another)() {
             return looked;
         }
-        let Looked { found: last, aside } = self.averaged(looked, sheet, model, basis);
-        Looked { found: if last.values == found.values { last } else { self.again(last, sheet, model, basis) }, aside }
+        let Looked { found: last, aside, .. } = self.averaged(looked, sheet, model, basis);
+        let last = if last.values == found.values { last } else { self.again(last, sheet, model, basis) };
+        Looked { aside, held: model.holds(&last, basis), found: last }
     }
 
     /// Takes the errors of a round for no smaller than a part of those taken before: few more samples make none so much surer but by chance, as where

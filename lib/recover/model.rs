@@ -85,7 +85,7 @@ pub fn exposed(mut coefficients: [Vec<f64>; 3], exposures: [f64; 3]) -> [Vec<f64
 }
 
 /// The weights of the nodes at a roughness.
-fn nodes(kind: Kind, grid: &Grid, roughness: &[f64]) -> Vec<f64> {
+pub fn nodes(kind: Kind, grid: &Grid, roughness: &[f64]) -> Vec<f64> {
     let at = |axis: usize| {
         let grid: Vec<f64> = grid[axis].iter().map(|a| a.ln()).collect();
         cubic(&grid, roughness[axis].abs().max(1e-9).ln())

@@ -4,9 +4,10 @@ use super::fit::{Point, Problem, Valley};
 use super::foresight::telling;
 use super::gram::Gram;
 use super::look::{Look, Model};
-use super::model::{Grid, Kind, SPECULARITY, alphas, coefficients, exposed, parts};
+use super::model::{Grid, Kind, SPECULARITY, alphas, coefficients, exposed, nodes, parts};
+use super::scores::pictures;
 use super::seen::{First, scattered};
-use super::sheet::Sheet;
+use super::sheet::{Half, Sheet};
 use super::{Effort, Evidence, Recovery, Seeds};
 use crate::anneal::{Annealer, Options};
 use crate::color::Rgb;
@@ -44,6 +45,10 @@ const FAINT: f64 = 2.0;
 /// mostly noise and where there is next to nothing specular.
 const LAST_PIXELS: usize = 2000;
 const LAST_SAMPLES: [usize; 2] = [400_000, 100_000];
+
+/// By how many standard errors a value must have moved for what goes by it to be worth another look; and by how much of all light it may be wrong.
+const MOVED: f64 = 2.0;
+const ALMOST: f64 = 0.003;
 
 /// Evaluations of the annealing.
 const STEPS: usize = 2000;
@@ -99,6 +104,8 @@ struct Stage<'a> {
     errors: [f64; 2],
     /// The coefficients of the columns of each channel, as far as is known.
     guess: Option<[Vec<f64>; 3]>,
+    /// The first values that were known: those of light that meets the unknown more often than products tell.
+    often: Option<Vec<f64>>,
 }
 
 impl<'a> Stage<'a> {
@@ -109,7 +116,7 @@ impl<'a> Stage<'a> {
             true => Rough::polished(material, kind.metal, kind.transmits, &grid[0]),
             false => Rough::new(material, kind.metal, kind.transmits, alphas(kind, &grid), proposals),
         };
-        Self { evidence, unknown, material, kind, grid, rough, near: middle, middle, errors: [0.0; 2], guess: None }
+        Self { evidence, unknown, material, kind, grid, rough, near: middle, middle, errors: [0.0; 2], guess: None, often: None }
     }
 
     /// A stage of one that is polished.
@@ -127,9 +134,11 @@ impl<'a> Stage<'a> {
 
     /// Takes the values for the true ones where they only decide what is worth how many samples.
     fn know(&mut self, values: &[f64], control: bool) {
-        let known = parts(self.kind, &self.unknown.reals(values)).map(Rgb::from);
-        self.rough.know(known);
+        let reals = self.unknown.reals(values);
+        let weights = if self.kind.polished { vec![] } else { nodes(self.kind, &self.grid, &reals[self.kind.roughnesses()]) };
+        self.rough.know(parts(self.kind, &reals).map(Rgb::from), &weights);
         self.rough.control = control;
+        self.often.get_or_insert_with(|| values.to_vec());
         self.guess = Some(self.coefficients(values));
     }
 
@@ -147,6 +156,39 @@ impl<'a> Stage<'a> {
         };
         let through = self.kind.roughnesses().end;
         none(SPECULARITY) && (!self.kind.transmits || none(through) || none(through + 1))
+    }
+
+    /// By how much what light meets that meets the unknown more often than products tell differs from what was found: by the shares of its parts, and by
+    /// the roughness of those that have one.
+    fn changed(&self, found: &Recovery) -> f64 {
+        let Some(often) = self.often.as_ref().filter(|_| !self.kind.polished) else { return 0.0 };
+        let moved = often.iter().zip(&found.values).zip(found.errors()).any(|((was, is), error)| (was - is).abs() > MOVED * error);
+        if !moved {
+            return 0.0;
+        }
+        let [was, is] = [often, &found.values].map(|values| self.unknown.reals(values));
+        let shares = |reals: &[f64], c: usize| {
+            let parts = parts(self.kind, reals).map(|part| part[c]);
+            parts.map(|part| part / parts.iter().sum::<f64>().max(f64::MIN_POSITIVE))
+        };
+        let logs = |reals: &[f64]| roughness(self.kind, reals).map(f64::ln);
+        let rougher = logs(&was).iter().zip(logs(&is)).map(|(was, is)| (was - is).abs()).fold(0.0, f64::max);
+        let channel = |c: usize| {
+            let (was, is) = (shares(&was, c), shares(&is, c));
+            let differ = was.iter().zip(is).map(|(was, is)| (was - is).abs()).fold(0.0, f64::max);
+            differ + (is[2] + is[3]) * rougher
+        };
+        (0..3).map(channel).fold(0.0, f64::max)
+    }
+
+    /// The part of all light that meets the unknown more often than products tell.
+    fn beyond(&self, values: &[f64], basis: &Basis) -> f64 {
+        let all = self.coefficients(values);
+        let mut often = all.clone();
+        often.iter_mut().for_each(|x| x[..self.rough.monomials.told()].fill(0.0));
+        let sum = |picture: &Vec<Half>| picture.iter().flatten().flatten().sum::<f64>();
+        let sums: Vec<f64> = pictures(basis, &[all, often]).iter().map(sum).collect();
+        if sums[0] > 0.0 { sums[1] / sums[0] } else { 0.0 }
     }
 
     /// The axes whose roughness is unknown, and its place among the parameters; one axis where both have the same.
@@ -242,11 +284,13 @@ impl Model for Stage<'_> {
         LEAST[!self.sharp() as usize]
     }
 
-    fn holds(&self, found: &Recovery) -> bool {
-        self.axes().all(|(axis, slot)| {
+    fn holds(&self, found: &Recovery, basis: &Basis) -> bool {
+        let inside = |(axis, slot): (usize, usize)| {
             let (a, grid) = (found.values[slot].abs(), &self.grid[axis]);
             a <= SMOOTHEST || a > grid[1] && a < grid[grid.len() - 2]
-        })
+        };
+        let changed = self.changed(found);
+        self.axes().all(inside) && (changed < ALMOST || changed * self.beyond(&found.values, basis) < ALMOST)
     }
 }
 
@@ -347,7 +391,7 @@ pub fn recover(sought: &Sought, effort: Effort, enough: &dyn Fn(&Recovery) -> bo
         if late() || found.amiss().is_some() || enough(found) {
             return Ok(looked.found);
         }
-        let (doubtful, strayed) = (stage.doubtful(found), !stage.holds(found));
+        let (doubtful, strayed) = (stage.doubtful(found), !looked.held);
         if strayed && another() && (look < LOST || doubtful.is_empty()) {
             best.clone_from(&found.values);
             continue;

@@ -69,7 +69,7 @@ impl Look<'_> {
         let (blur, way) = self.blur(sheet, model, basis, &found.values).unzip();
         found.blur = blur;
         // What strayed goes on from where it is.
-        let reckoned = self.evidence.blurred && model.holds(&found);
+        let reckoned = self.evidence.blurred && model.holds(&found, basis);
         self.moved(found, way.filter(|_| reckoned), model)
     }
 

@@ -37,8 +37,8 @@ pub struct Rough {
     guess: Option<[Rgb; 4]>,
     /// What the parts are taken to scatter of all that is scattered where a path meets the unknown more often than products tell.
     shares: [Rgb; 4],
-    /// The node that stands for all there.
-    middle: usize,
+    /// And how much each node counts there, in lanes.
+    there: Vec<f32x8>,
     /// Whether a direction more is worth its cost at the first surface ([`Transport::control`]): where light hardly differs within the lobe.
     pub control: bool,
     /// Of a polished unknown, what its mirror reflects at the nodes, in lanes, apart from the Fresnel term.
@@ -57,24 +57,26 @@ impl Rough {
         let lobes = Lobes::new(&nodes, &proposals);
         let shares = [0, 1, 2, 3].map(|part| if part % 2 == 0 { Rgb::splat(UNKNOWN_SHARE) } else { Rgb::ZERO });
         let middle = middle(&nodes);
+        let there = lanes(&(0..nodes.len()).map(|n| f64::from(n == middle)).collect::<Vec<_>>());
         let (guess, control, mirror) = (None, false, None);
-        Self { material, metal, transmits, nodes, proposals, monomials, guess, shares, middle, control, mirror, lobes }
+        Self { material, metal, transmits, nodes, proposals, monomials, guess, shares, there, control, mirror, lobes }
     }
 
     /// A polished material: a mirror that is explored at these reflectances, from 0 to 1. A product's picture is a polynomial of its reflectance,
     /// no higher than [`POLISHED_ORDER`](super::POLISHED_ORDER), as (1 − F) r + F is at every meeting: one reflectance more than that suffices.
     pub fn polished(material: MaterialId, metal: bool, transmits: bool, reflectances: &[f64]) -> Self {
-        let lane = |chunk: &[f64]| f32x8::from(std::array::from_fn(|i| chunk.get(i).map_or(0.0, |&r| r as f32)));
-        let mirror = Some(reflectances.chunks(LANES).map(lane).collect());
+        let mirror = Some(lanes(reflectances));
         let monomials = Monomials::new(transmits, true, reflectances.len());
         Self { mirror, monomials, ..Self::new(material, metal, transmits, vec![[0.0; 2]; reflectances.len()], vec![]) }
     }
 
-    /// Takes these for the coefficients of the four parts; the first that are known also for how what is scattered most often is shared by them.
-    pub fn know(&mut self, coefficients: [Rgb; 4]) {
+    /// Takes these for the coefficients of the four parts, and the first that are known also for how what is scattered most often is shared by them,
+    /// by a lobe that lies between the nodes as these `weights` have it.
+    pub fn know(&mut self, coefficients: [Rgb; 4], weights: &[f64]) {
         let albedo = coefficients.iter().copied().sum::<Rgb>();
         if self.guess.is_none() && albedo.min_element() > 0.0 {
             self.shares = coefficients.map(|coefficient| coefficient / albedo);
+            self.there = lanes(weights);
         }
         self.guess = Some(coefficients);
     }
@@ -115,6 +117,12 @@ impl Rough {
             (_, true) => self.guess.map(|guess| Term { known: term.known * guess[part as usize], ..*term }),
         }
     }
+}
+
+/// Numbers in lanes, the last of them filled up with zeros.
+fn lanes(numbers: &[f64]) -> Vec<f32x8> {
+    let lane = |chunk: &[f64]| f32x8::from(std::array::from_fn(|i| chunk.get(i).map_or(0.0, |&number| number as f32)));
+    numbers.chunks(LANES).map(lane).collect()
 }
 
 /// The node nearest to the mean of all, by logarithms.
@@ -248,10 +256,10 @@ impl<const L: usize> Tagging<'_, L> {
 
     /// Hands a path's light that met the unknown more often than products tell to the columns of the albedos.
     fn collect_beyond(&mut self, term: &Term<L>, radiance: Rgb) {
-        let Rough { monomials, shares, middle, .. } = self.unknown;
+        let Rough { monomials, shares, there, .. } = self.unknown;
         let before = &monomials.exponents[term.monomial as usize];
         let shared = before.iter().zip(shares).fold(term.known, |known, (&e, &share)| (0..e).fold(known, |known, _| known * share));
-        let lobe = term.lobes[middle / LANES].to_array()[middle % LANES];
+        let lobe = term.lobes.iter().zip(there).fold(f32x8::ZERO, |sum, (lobes, weights)| sum + *lobes * *weights).reduce_add();
         for (columns, light) in self.columns.chunks_exact_mut(monomials.columns()).zip((shared * radiance).to_array()) {
             let sums = &mut columns[monomials.told()..];
             sums.iter_mut().zip(monomials.albedos()).for_each(|(sum, a)| *sum += lobe * light as f32 * a.powi(i32::from(term.beyond) - 1));
