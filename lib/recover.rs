@@ -41,7 +41,7 @@ use crate::unknown::Unknown;
 use crate::world::World;
 use doubts::Known;
 use model::Kind;
-pub use polished::{has_fresnel_term, otherwise};
+pub use polished::otherwise;
 use rayon::prelude::*;
 use rough::Sought;
 use saturated::Saturated;

@@ -4,7 +4,7 @@ mod direct;
 
 pub use direct::Direct;
 
-use super::remarks::{elsewhere, near_lamps, remarks};
+use super::remarks::{elsewhere, remarks};
 use super::stream::input;
 use super::{Console, Disk, Outcome, scene};
 use crate::args::anneal::{Arguments, Photo as PhotoOptions, Sharpness};
@@ -15,11 +15,11 @@ use crate::metric::{self, Named};
 use crate::picture::{Header, Picture, shrunk};
 use crate::rad::{Class, Document, Number, Primitive};
 use crate::recover::exposure::exposed;
-use crate::recover::{Evidence, Recovery, has_fresnel_term, otherwise, saturated};
+use crate::recover::{Evidence, Recovery, otherwise, saturated};
 use crate::render::{Film, Filter};
 use crate::report::{Setting, Views};
 use crate::rules::Rules;
-use crate::rules::rendered::fresnel;
+use crate::rules::rendered::Reckoning;
 use crate::scene::{MaterialId, Reading, Scene};
 use crate::unknown::Unknown;
 use crate::view::View;
@@ -64,9 +64,14 @@ impl<'a> Photo<'a> {
         let taken = target.map(read).transpose()?;
         let view = view_of(taken.as_ref(), photo, console)?;
         let film = film_of(taken.as_ref(), &view, photo)?;
-        let rules = arguments.light.rules(&|file| scene::list(&disk, file))?;
+        let light = &arguments.light;
+        let mut rules = light.rules(&|file| scene::list(&disk, file))?;
+        let reckoning = Reckoning::of(trail(taken.as_ref()));
+        let typed = [light.ab.is_some() || rules.ambient_bounces == 0, light.dj.or(light.ds).is_some()];
+        if let Some(reckoning) = &reckoning {
+            rules = reckoning.taken_into(rules, typed);
+        }
         if let Some((name, target)) = &taken {
-            let light = &arguments.light;
             remarks(name, target, &film, unknown, light, &rules).iter().for_each(|remark| console.warn(remark));
         }
         disk.count("the view", view.header_line().as_bytes());
@@ -95,8 +100,8 @@ impl<'a> Photo<'a> {
             return Err(Error::new(format!("the scene has no light, so that every rendering is black: {remedy}")).into());
         }
         let world = surveyed(scene, &rules, material, &film)?;
-        let is_trans = unknown.material().kind.starts_with("trans");
-        near_lamps(&target, &film, &world, material, &rules, is_trans).iter().for_each(|remark| console.warn(remark));
+        let taken_over = [!typed[0], !typed[1] && !world.lamps().is_empty()];
+        reckoning.and_then(|reckoning| reckoning.note(&name, taken_over)).iter().for_each(|note| console.note(note));
         Ok(Self {
             digest: disk.digest(),
             unknown: unknown.clone(),
@@ -193,12 +198,6 @@ impl<'a> Photo<'a> {
         by(&self.world).map_or(Ok(None), |_| Ok(by(&self.setting().world(&self.unknown.reals(&found.values))?)))
     }
 
-    /// What is to be said of what was found where it is polished.
-    pub fn polished(&self, found: &Recovery) -> Option<String> {
-        let lines = self.target.header.lines.iter().map(String::as_str);
-        has_fresnel_term(&self.unknown, &found.values).then(|| fresnel(lines, &self.rules)).flatten()
-    }
-
     /// What is to be said of pixels that were left out as they seem saturated, if by what was found most of them should be brighter.
     pub fn saturated(&self, found: &Recovery) -> Result<Option<String>> {
         if found.saturated.is_empty() {
@@ -250,7 +249,7 @@ impl<'a> Photo<'a> {
 type Taken = (String, Picture);
 
 /// What the header of a picture says, line by line.
-fn trail(taken: Option<&Taken>) -> impl Iterator<Item = &str> {
+fn trail(taken: Option<&Taken>) -> impl Iterator<Item = &str> + Clone {
     taken.into_iter().flat_map(|(_, target)| target.header.lines.iter().map(String::as_str))
 }
 

@@ -37,9 +37,7 @@ pub fn recover(start: &str, target: &str, arguments: &Arguments, console: &Conso
             }
             trail.hear(&found, console);
             let cut = stopped();
-            for doubt in
-                photo.exposed(&found)?.into_iter().chain(saturated).chain(photo.polished(&found)).chain(strays(&found, photo.width()))
-            {
+            for doubt in photo.exposed(&found)?.into_iter().chain(saturated).chain(strays(&found, photo.width())) {
                 title.push(format!("warning: {doubt}"));
                 doubts.push(doubt);
             }

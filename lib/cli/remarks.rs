@@ -1,18 +1,13 @@
 //! What the file of a picture says of itself that does not go with what was typed.
 
 use crate::args::rtrace::Light;
-use crate::geometry::Facing;
-use crate::light::Form;
 use crate::picture::{PRIMARIES, Picture};
 use crate::rad::Number;
 use crate::render::Film;
 use crate::rules::Rules;
-use crate::rules::rendered::{bounces, lamps, reduced, shortcuts};
-use crate::scene::MaterialId;
+use crate::rules::rendered::{Reckoning, reduced, shortcuts};
 use crate::unknown::Unknown;
-use crate::vector::Vec3;
 use crate::view::View;
-use crate::world::World;
 
 /// The shape of pixels is told to so much, and colours in terms of CIE (x, y): sRGB's primaries differ by .01 from RADIANCE's.
 const SHAPE: f64 = 0.01;
@@ -32,25 +27,11 @@ pub fn remarks(name: &str, target: &Picture, film: &Film, unknown: &Unknown, typ
         let lowest: Vec<f64> = unknown.bounds().iter().map(|bound| bound.0).collect();
         unknown.reals(&lowest)[spec]
     });
-    let file = [misshapen(name, target, film), coloured(name, target), cut_off(target, film), bounces(lines(), rules)];
+    let bounces = Reckoning::of(lines()).and_then(|reckoning| reckoning.bounces_otherwise(rules));
+    let file = [misshapen(name, target, film), coloured(name, target), cut_off(target, film), bounces];
     let mut said: Vec<String> = file.into_iter().flatten().collect();
     said.extend(least.into_iter().flat_map(|least| shortcuts(lines(), least)));
     said
-}
-
-/// Of lamps near something unknown, in a picture on a film.
-pub fn near_lamps(target: &Picture, film: &Film, world: &World, unknown: MaterialId, rules: &Rules, is_trans: bool) -> Option<String> {
-    let large = || {
-        let points: Vec<Vec3> = film.some_rays().filter_map(|ray| Some(world.behind(&ray, unknown)?.origin)).collect();
-        let mut large = [0.0f64; 2];
-        for lamp in world.lamps().iter().filter(|lamp| matches!(lamp.form, Form::Shape(_))) {
-            let large = &mut large[!matches!(lamp.extent.facing, Facing::Front(_)) as usize];
-            let near = points.iter().map(|point| lamp.extent.center.distance(*point)).fold(f64::INFINITY, f64::min);
-            *large = large.max(lamp.extent.size.sqrt() / near);
-        }
-        large
-    };
-    lamps(target.header.lines.iter().map(String::as_str), rules, is_trans, large)
 }
 
 /// Of pixels that are not of the shape that the header says, by more than rounding rows or columns makes.

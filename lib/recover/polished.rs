@@ -42,13 +42,6 @@ fn is_polished(reals: &[f64]) -> bool {
     reals[ROUGHNESS].abs() <= PURE
 }
 
-/// Whether an unknown with these values is a mirror with a Fresnel term.
-pub fn has_fresnel_term(unknown: &Unknown, values: &[f64]) -> bool {
-    let reals = unknown.reals(values);
-    let kind = Kind::named(&unknown.material().kind).filter(|kind| !kind.anisotropic);
-    kind.is_some() && is_polished(&reals) && reals[SPECULARITY] >= FRESNEL_FROM
-}
-
 /// Recovers the numbers of plastic, metal, trans and their anisotropic kin, polished or not.
 pub fn recover(sought: &Sought, effort: Effort, tell: &dyn Fn(&str)) -> Result<Recovery> {
     let Evidence { world, otherwise, .. } = *sought.evidence;

@@ -68,64 +68,80 @@ pub fn shortcuts<'a>(lines: impl IntoIterator<Item = &'a str>, least: f64) -> Ve
     found
 }
 
-/// What is to be said if light bounces more often, or less often, by these rules than where a picture with this header was made.
-pub fn bounces<'a>(lines: impl IntoIterator<Item = &'a str>, rules: &Rules) -> Option<String> {
-    let all = Rules::default().ambient_bounces;
-    let here = rules.ambient_bounces;
-    let command = Command::last(lines, &["rpict", "rtrace", "rtrace-rs"])?;
-    let (program, given) = (command.program(), command.given("-ab"));
-    let there = match given {
-        Some(bounces) => bounces.max(0.0) as u32,
-        None if program == "rtrace-rs" => all,
-        None => 0,
-    };
-    let remedy = if there == all { "leave -ab out".into() } else { format!("give -ab {there}") };
-    let said = if given.is_some() { format!("-ab {there}") } else { "no -ab".into() };
-    (here != there).then(|| format!("the target was rendered by {program} with {said}, and here light bounces otherwise: {remedy}"))
+/// How the program that rendered a picture reckoned with light.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reckoning {
+    program: String,
+    /// How often light bounces.
+    bounces: u32,
+    /// `-dj` and `-ds`, if lamps are taken for points.
+    lamps: Option<[f64; 2]>,
+    /// What the Fresnel term of polished surfaces is lowered by, if it is not as usual.
+    fresnel_offset: Option<f64>,
 }
 
-/// How large a lamp may be, in terms of its distance, to be much like a point; and behind trans, whose lobe it widens more. (Roughnesses of .15 and .05
-/// before spheres .06 times as large as they are far came out as .155 and .059.)
-const LARGE: [f64; 2] = [0.25, 0.05];
+impl Reckoning {
+    /// What the header of a picture says of it; `None` if it is no rendering's.
+    pub fn of<'a>(lines: impl Iterator<Item = &'a str> + Clone) -> Option<Self> {
+        let command = Command::last(lines.clone(), &["rpict", "rtrace", "rtrace-rs"])?;
+        let default = Rules::default();
+        let (jitter, division, bounces) = match command.program() {
+            "rpict" => (Some(0.0), 0.25, 0),
+            "rtrace" => (Some(0.0), 0.2, 0),
+            _ => (None, default.light_division, default.ambient_bounces),
+        };
+        let jitter = command.given("-dj").filter(|dj| (0.0..=1.0).contains(dj)).or(jitter);
+        let division = command.given("-ds").filter(|ds| *ds >= 0.0).unwrap_or(division);
+        let bounces = command.given("-ab").map_or(bounces, |bounces| bounces.max(0.0) as u32);
+        let fresnel_offset = command.given("--fresnel-offset").or_else(|| lines.filter_map(offset_of_release).last());
+        Some(Self { program: command.program().into(), bounces, lamps: jitter.map(|jitter| [jitter, division]), fresnel_offset })
+    }
 
-/// What is to be said if lamps are not taken for points by these rules, as they were where RADIANCE made a picture with this header. `large` says
-/// how large those are, in terms of their distance, that it divides where it is asked to, and those that it does not divide well.
-pub fn lamps<'a>(
-    lines: impl IntoIterator<Item = &'a str>,
-    rules: &Rules,
-    behind_trans: bool,
-    large: impl FnOnce() -> [f64; 2],
-) -> Option<String> {
-    let command = Command::last(lines, &["rpict", "rtrace"]).filter(|_| rules.light_jitter.is_none())?;
-    let [flat, round] = large();
-    let division = if command.program() == "rpict" { 0.25 } else { 0.2 };
-    let [dj, ds] = [("-dj", 0.0), ("-ds", division)].map(|(name, default)| command.given(name).unwrap_or(default));
-    let large = if ds > 0.0 { round.max(flat.min(ds)) } else { round.max(flat) };
-    (large > LARGE[behind_trans as usize]).then(|| {
-        format!(
-            "the target was rendered by {}, which takes lamps for points, and one is {large:.2} times as large as it is far from what is unknown; \
-             here they are integrated over all their extent: give -dj {dj} -ds {ds} for its picture of them",
-            command.program()
-        )
-    })
+    /// These rules with its bounces, and its lamps, where nothing was `typed` of those, and its Fresnel term, if they have the usual one.
+    pub fn taken_into(&self, mut rules: Rules, [bounces, lamps]: [bool; 2]) -> Rules {
+        if !bounces {
+            rules.ambient_bounces = self.bounces;
+        }
+        if let Some([jitter, division]) = self.lamps.filter(|_| !lamps) {
+            (rules.light_jitter, rules.light_division) = (Some(jitter), division);
+        }
+        if rules.fresnel_offset == FRESNEL_OFFSET {
+            rules.fresnel_offset = self.fresnel_offset.unwrap_or(FRESNEL_OFFSET);
+        }
+        rules
+    }
+
+    /// That the picture `name` is taken to be rendered so, of its bounces and of its lamps; `None` where that says nothing.
+    pub fn note(&self, name: &str, [bounces, lamps]: [bool; 2]) -> Option<String> {
+        let lamps = self.lamps.filter(|_| lamps).map(|[jitter, division]| format!("-dj {jitter} -ds {division}"));
+        let options: Vec<String> = [self.limit().filter(|_| bounces), lamps].into_iter().flatten().collect();
+        let note = || format!("{name} was rendered by {} with {}, and so it is here", self.program, options.join(" "));
+        (!options.is_empty()).then(note)
+    }
+
+    /// What is to be said if light bounces more often, or less often, by these rules.
+    pub fn bounces_otherwise(&self, rules: &Rules) -> Option<String> {
+        let said = self.limit().unwrap_or_else(|| "all bounces".into());
+        let remark = || format!("the target was rendered by {} with {said}, and here light bounces otherwise: leave -ab out", self.program);
+        (rules.ambient_bounces != self.bounces).then(remark)
+    }
+
+    /// How often light bounces; `None` if that is not limited.
+    fn limit(&self) -> Option<String> {
+        (self.bounces != Rules::default().ambient_bounces).then(|| format!("-ab {}", self.bounces))
+    }
 }
 
 /// The releases of RADIANCE, from the first to before the second, whose Fresnel term is larger than that of its sources of today, and what makes it so.
 const LARGER: [[u32; 2]; 2] = [[5, 4], [6, 1]];
 const LARGER_OFFSET: f64 = 0.00202943064;
 
-/// What is to be said of something polished in a picture with this header that such a release made, if these rules are those of today.
-pub fn fresnel<'a>(lines: impl IntoIterator<Item = &'a str>, rules: &Rules) -> Option<String> {
-    let release = lines.into_iter().filter_map(|line| line.strip_prefix("SOFTWARE= RADIANCE ")).last()?.split(' ').next()?;
+/// What the Fresnel term is lowered by in the release that a line of a header names, if that is another than today's.
+fn offset_of_release(line: &str) -> Option<f64> {
+    let release = line.strip_prefix("SOFTWARE= RADIANCE ")?.split(' ').next()?;
     let mut numbers = release.split(|c: char| !c.is_ascii_digit()).map_while(|n| n.parse().ok());
-    let release_of: [u32; 2] = [numbers.next()?, numbers.next()?];
-    (LARGER[0] <= release_of && release_of < LARGER[1] && rules.fresnel_offset == FRESNEL_OFFSET).then(|| {
-        format!(
-            "the target was rendered by RADIANCE {release}, by which polished surfaces mirror {:.5} more than by its sources of today: \
-             give --fresnel-offset {LARGER_OFFSET}",
-            FRESNEL_OFFSET - LARGER_OFFSET
-        )
-    })
+    let release: [u32; 2] = [numbers.next()?, numbers.next()?];
+    (LARGER[0] <= release && release < LARGER[1]).then_some(LARGER_OFFSET)
 }
 
 /// The width, height and aspect of pixels that the last rpict in the lines of a header was asked for, and by how many times `pfilt -x /N` made the
@@ -172,49 +188,48 @@ mod tests {
     }
 
     #[test]
-    fn lamps_that_are_no_points_are_told() {
-        let said = |line: &str, jitter: Option<f64>, large: [f64; 2]| {
-            lamps([line], &Rules { light_jitter: jitter, ..Rules::default() }, false, || large).unwrap_or_default()
+    fn light_is_reckoned_with_as_the_header_has_it() {
+        let rules = |lines: &[&str], typed| {
+            let rules = Reckoning::of(lines.iter().copied()).map(|reckoning| reckoning.taken_into(Rules::default(), typed));
+            rules.map(|rules| (rules.ambient_bounces, rules.light_jitter, rules.light_division))
         };
-        for (line, large, remedy) in
-            [("rpict -dj .9 a.oct", [0.1, 0.5], "-dj 0.9 -ds 0.25"), ("rtrace -ds 0 a.oct", [0.5, 0.1], "-dj 0 -ds 0")]
-        {
-            assert!(said(line, None, large).ends_with(&format!("give {remedy} for its picture of them")));
-            assert_eq!(said(line, Some(0.0), large), "");
-        }
-        for (line, large) in [("rpict a.oct", [0.1, 0.1]), ("rpict a.oct", [0.5, 0.1]), ("rtrace-rs a.rad", [0.5, 0.5])] {
-            assert_eq!(said(line, None, large), "");
-        }
-        let behind = |large: f64| lamps(["rpict a.oct"], &Rules::default(), true, || [0.0, large]);
-        assert!(behind(0.04).is_none() && behind(0.06).is_some_and(|said| said.contains("0.06 times as large")));
+        let (all, division) = (Rules::default().ambient_bounces, Rules::default().light_division);
+        assert_eq!(rules(&["rpict -ab 2 a.oct", "\tpfilt -x /2"], [false; 2]), Some((2, Some(0.0), 0.25)));
+        assert_eq!(rules(&["rpict -ab 2 -dj .9 -ds .1 a.oct"], [true, false]), Some((all, Some(0.9), 0.1)));
+        assert_eq!(rules(&["rtrace -ab 2 -dj .9 a.oct"], [false, true]), Some((2, None, division)));
+        assert_eq!(rules(&["/usr/bin/rtrace a.oct"], [false; 2]), Some((0, Some(0.0), 0.2)));
+        assert_eq!(rules(&["rtrace-rs a.rad"], [false; 2]), Some((all, None, division)));
+        assert_eq!(rules(&["hdrgen a.jpg"], [false; 2]), None);
+        let note = |line| Reckoning::of([line].into_iter()).and_then(|reckoning| reckoning.note("a.hdr", [true; 2]));
+        assert_eq!(note("rpict -ab 2 a.oct").unwrap(), "a.hdr was rendered by rpict with -ab 2 -dj 0 -ds 0.25, and so it is here");
+        assert_eq!(note("rtrace-rs a.rad"), None);
     }
 
     #[test]
-    fn releases_of_another_fresnel_term_are_told() {
-        let said = |line: &str, fresnel_offset| fresnel(["rpict a.oct", line], &Rules { fresnel_offset, ..Rules::default() });
+    fn the_fresnel_term_is_that_of_the_release() {
+        let offset = |line: &str, fresnel_offset| {
+            let lines = ["rpict a.oct", line];
+            Reckoning::of(lines.into_iter()).unwrap().taken_into(Rules { fresnel_offset, ..Rules::default() }, [true; 2]).fresnel_offset
+        };
         for release in ["5.4a lastmod", "6.0a", "6.0.2 official"] {
             let line = format!("SOFTWARE= RADIANCE {release}");
-            assert!(said(&line, FRESNEL_OFFSET).is_some_and(|said| said.contains("mirror 0.00085 more")), "{release}");
-            assert_eq!(said(&line, LARGER_OFFSET), None);
+            assert_eq!([offset(&line, FRESNEL_OFFSET), offset(&line, 0.001)], [LARGER_OFFSET, 0.001], "{release}");
         }
         for line in ["SOFTWARE= RADIANCE 5.3", "SOFTWARE= RADIANCE 6.1a", "SOFTWARE= RADIANCE rtrace, box filter", "VIEW= -vtv"] {
-            assert_eq!(said(line, FRESNEL_OFFSET), None, "{line}");
+            assert_eq!(offset(line, FRESNEL_OFFSET), FRESNEL_OFFSET, "{line}");
         }
+        assert_eq!(offset("rtrace-rs --fresnel-offset .003 a.rad", FRESNEL_OFFSET), 0.003);
     }
 
     #[test]
     fn light_that_bounces_otherwise_is_told() {
-        let said = |lines: &[&str], ab: Option<u32>| {
-            let rules = Rules { ambient_bounces: ab.unwrap_or(Rules::default().ambient_bounces), ..Rules::default() };
-            bounces(lines.iter().copied(), &rules).unwrap_or_default()
+        let said = |line: &str, bounces: u32| {
+            let rules = Rules { ambient_bounces: bounces, ..Rules::default() };
+            Reckoning::of([line].into_iter()).and_then(|reckoning| reckoning.bounces_otherwise(&rules)).unwrap_or_default()
         };
-        for (lines, ab) in
-            [(vec!["rpict -ab 2 a.oct", "\tpfilt -x /2"], Some(2)), (vec!["rtrace-rs a.rad"], None), (vec!["hdrgen a.jpg"], None)]
-        {
-            assert_eq!(said(&lines, ab), "");
-        }
-        assert!(said(&["rpict -ab 2 a.oct"], None).ends_with("by rpict with -ab 2, and here light bounces otherwise: give -ab 2"));
-        assert!(said(&["rpict a.oct"], Some(2)).ends_with("by rpict with no -ab, and here light bounces otherwise: give -ab 0"));
-        assert!(said(&["rtrace-rs a.rad"], Some(2)).ends_with("by rtrace-rs with no -ab, and here light bounces otherwise: leave -ab out"));
+        assert_eq!(said("rpict -ab 2 a.oct", 2), "");
+        assert!(said("rpict -ab 2 a.oct", 3).ends_with("by rpict with -ab 2, and here light bounces otherwise: leave -ab out"));
+        assert!(said("rpict a.oct", 2).contains("with -ab 0, and here"));
+        assert!(said("rtrace-rs a.rad", 2).contains("with all bounces, and here"));
     }
 }
