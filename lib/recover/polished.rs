@@ -12,11 +12,12 @@ use crate::material::{FRESNEL_FROM, PURE};
 use crate::unknown::Unknown;
 
 /// By how many standard errors a roughness must be more than the least that a lobe is looked at with for a lobe to be certain; and from which
-/// roughness on it is, however large its error. By as many pixels must be nearer to a mirror than to a lobe that may be of any roughness.
+/// roughness on it is, however large its error.
 const SURE: f64 = 3.0;
 const ROUGH: f64 = 0.02;
 
-/// By how many standard errors pixels must be farther from a mirror than from a lobe that seems smooth, which has a roughness more to fit them with.
+/// By how many standard errors pixels must be farther from a mirror than from a lobe that seems smooth, which has a roughness more to fit them with,
+/// for it to be none; and nearer to it than to a lobe that may be of any roughness for it to be one.
 const FARTHER: f64 = 1.0;
 
 /// The place of the roughness among the real arguments.
@@ -62,8 +63,12 @@ pub fn recover(sought: &Sought, effort: Effort, tell: &dyn Fn(&str)) -> Result<R
     let lobe = if effort.quick { found.clone() } else { sought.glance(effort, &found.values) };
     let seen = mirror.glance(effort, &near);
     let excess = seen.excess_but_one(&lobe);
-    if excess < if likely { FARTHER } else { -SURE } {
-        let whole = |found: Recovery| if let Some(slot) = slot { with_roughness(found, slot, &lobe, excess) } else { found };
+    if excess < if likely { FARTHER } else { -FARTHER } {
+        let whole = |mirror: Recovery| match slot {
+            Some(slot) if likely => with_roughness(mirror, slot, &lobe, excess),
+            Some(slot) => or_else(with_roughness(mirror, slot, &lobe, excess), &found, excess),
+            None => mirror,
+        };
         let told = |found: &Recovery| (effort.told)(&whole(found.clone()));
         // Light that meets it more often than products tell is that of the values it is looked at with, which those of a lobe are not: of a ball that
         // light goes through, colours came out .3 to .8 % too bright, which tells no type from another.
@@ -120,11 +125,24 @@ impl Mirror {
     }
 }
 
+/// The odds of a lobe where pixels are by `excess` standard errors farther from a mirror.
+fn odds(excess: f64) -> f64 {
+    (-0.5 * excess.min(0.0).powi(2)).exp()
+}
+
+/// What was found of a mirror, its errors holding that it may be a lobe instead that is quite another one.
+fn or_else(mirror: Recovery, lobe: &Recovery, excess: f64) -> Recovery {
+    let away: Vec<f64> = mirror.values.iter().zip(&lobe.values).map(|(mirror, lobe)| lobe - mirror).collect();
+    let part = odds(excess) / (1.0 + odds(excess));
+    let held = |i: usize, j: usize| part * (lobe.covariance.at(i, j) + away[i] * away[j]);
+    let covariance = Symmetric::of(away.len(), |i, j| (1.0 - part) * mirror.covariance.at(i, j) + held(i, j));
+    Recovery { covariance, ..mirror }
+}
+
 /// What was found of a mirror, with a roughness among its values: any up to [`PURE`], or that of the lobe, as likely as that is where pixels are by
 /// `excess` standard errors farther from the mirror. Errors that pixels have in common may make one of a lobe, and move it as far as that one's.
 fn with_roughness(found: Recovery, slot: usize, lobe: &Recovery, excess: f64) -> Recovery {
-    let likely = (-0.5 * excess.min(0.0).powi(2)).exp();
-    let variance = PURE * PURE / 3.0 + likely * (lobe.values[slot].powi(2) + lobe.covariance.at(slot, slot));
+    let variance = PURE * PURE / 3.0 + odds(excess) * (lobe.values[slot].powi(2) + lobe.covariance.at(slot, slot));
     let with = |matrix: &Symmetric, own: f64| {
         let place = |i: usize| if i < slot { Some(i) } else { i.checked_sub(1).filter(|i| *i >= slot) };
         Symmetric::of(matrix.size() + 1, |i, j| match (place(i), place(j)) {
