@@ -144,12 +144,15 @@ pub struct Reading {
     pub skip_unsupported: bool,
     /// Definitions that the expressions in it may use: texts in the language of function files.
     pub definitions: Vec<Arc<Source>>,
+    /// The material that stands for those of its name in octrees and meshes too.
+    pub unknown: Option<String>,
 }
 
 impl Scene {
     /// The scene that `flat` describes.
     pub fn new(flat: &Flat, resolve: &dyn Resolve, reading: &Reading) -> Result<Self> {
         let mut builder = Builder::new(resolve, reading.skip_unsupported);
+        builder.unknown.clone_from(&reading.unknown);
         for text in &reading.definitions {
             builder.define_names(text.clone())?;
         }

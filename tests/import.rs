@@ -5,6 +5,7 @@ use inverad::expand::expand;
 use inverad::geometry::{Mesh, Ray};
 use inverad::import::{MeshFile, MeshMaterial, Octree, is_octree, mesh, octree};
 use inverad::resolve::Files;
+use inverad::scene::{Reading, Scene};
 use inverad::vector::{Affine, Vec3};
 use proptest::prelude::*;
 use std::sync::Arc;
@@ -115,6 +116,20 @@ fn an_octree_that_is_not_frozen_names_its_files() {
     let resolve = Files::of([("scene.rad", &b"void plastic p 0 0 5 1 1 1 0 0"[..])]);
     let flat = expand(Octree::Files(files).documents("plain.oct", &resolve).unwrap(), &resolve).unwrap();
     assert_eq!(flat.primitives.iter().map(|p| p.name.as_str()).collect::<Vec<_>>(), ["p", "g"]);
+}
+
+#[test]
+fn what_is_unknown_stands_for_its_name_in_octrees_and_meshes_too() {
+    let text = "void metal red 0 0 5 .9 .9 .9 .9 .1\nvoid instance i 1 frozen.oct 0 0\nvoid mesh m 1 sheet.rtm 0 0\n";
+    let resolve = Files::of([("scene.rad", text.as_bytes()), ("frozen.oct", FROZEN), ("sheet.rtm", RTM)]);
+    let flat = expand(Octree::Files(vec!["scene.rad".into()]).documents("", &resolve).unwrap(), &resolve).unwrap();
+    for unknown in [None, Some("red".to_string())] {
+        let scene = Scene::new(&flat, &resolve, &Reading { unknown: unknown.clone(), ..Reading::default() }).unwrap();
+        let kinds = |name: &str| scene.materials.iter().filter(|m| m.name == name).count();
+        assert_eq!(scene.material(&flat.primitives[0]).is_some(), unknown.is_some());
+        // Each file has a plastic of that name, one of them another behind a pattern.
+        assert_eq!((kinds("red"), kinds("blue")), (if unknown.is_some() { 1 } else { 3 }, 1));
+    }
 }
 
 #[test]

@@ -91,7 +91,7 @@ impl<'a> Photo<'a> {
         documents.iter().for_each(|document| disk.count(&document.source.name, &document.bytes()));
         let mut flat = expand(documents, &disk)?;
         let place = placed(&mut flat, unknown)?;
-        let reading = scene::reading(&arguments.reading, &disk)?;
+        let reading = Reading { unknown: Some(unknown.material().name.clone()), ..scene::reading(&arguments.reading, &disk)? };
         let scene = scene::built(&flat, &disk, &reading, &arguments.light, console)?;
         let material = scene.material(&flat.primitives[place]);
         let material = material.ok_or_else(|| unknown.material().error("no surface of the scene is made of it"))?;

@@ -68,7 +68,7 @@ pub fn reading(typed: &args::Reading, resolve: &dyn Resolve) -> Result<Reading> 
     for name in &typed.function_files {
         definitions.push(Source::new(name.as_str(), String::from_utf8_lossy(&resolve.library(name)?)));
     }
-    Ok(Reading { skip_unsupported: typed.skip_unsupported, definitions })
+    Ok(Reading { skip_unsupported: typed.skip_unsupported, definitions, unknown: None })
 }
 
 /// The scene that was read; what is to be said of it is said, unless `-w-` wants none of that.

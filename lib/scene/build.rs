@@ -68,6 +68,10 @@ pub(super) struct Builder<'a> {
     pub scene: Scene,
     /// What else is wrong with chains of modifiers, beside the error that resolving them came to.
     pub further: Vec<Error>,
+    /// The name of the material that stands for those of its name in octrees and meshes too.
+    pub unknown: Option<String>,
+    /// And its definition, in such a file.
+    standing: Option<Definition>,
     resolve: &'a dyn Resolve,
     skip_unsupported: bool,
     sources: Sources<'a>,
@@ -92,6 +96,8 @@ impl<'a> Builder<'a> {
         Self {
             scene: Scene::default(),
             further: Vec::new(),
+            unknown: None,
+            standing: None,
             resolve,
             skip_unsupported,
             sources: Sources::new(resolve),
@@ -140,6 +146,21 @@ impl<'a> Builder<'a> {
         }
     }
 
+    /// Begins with the names of a file of its own; what they were before.
+    fn inside(&mut self) -> Names {
+        let standing = self.unknown.as_ref().and_then(|name| self.find(name, self.definitions.len()));
+        self.standing = standing.map(|definition| self.definitions[definition].clone()).or(self.standing.take());
+        std::mem::take(&mut self.names)
+    }
+
+    /// Goes on with the names of before.
+    fn outside(&mut self, names: Names) {
+        self.names = names;
+        if self.within.is_empty() {
+            self.standing = None;
+        }
+    }
+
     /// What is wrong with a name that no modifier has so far.
     fn undefined(&self, name: &str) -> String {
         undefined(name, self.names.keys().map(|known| &**known))
@@ -159,6 +180,10 @@ impl<'a> Builder<'a> {
 
     /// What a modifier is. An alias stands for what it names, or for that with another modifier.
     fn definition(&self, primitive: &Primitive) -> Result<Definition> {
+        let is_material = primitive.type_of().is_some_and(|t| t.class == Class::Material);
+        if let Some(standing) = self.standing.as_ref().filter(|standing| is_material && standing.name == primitive.name) {
+            return Ok(standing.clone());
+        }
         if primitive.kind != "alias" {
             return Ok(self.written(primitive, self.modifier(primitive)?));
         }

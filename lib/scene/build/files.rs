@@ -47,7 +47,7 @@ impl Builder<'_> {
             return Ok(known.clone());
         }
         let first = self.definitions.len();
-        let outer = std::mem::take(&mut self.names);
+        let outer = self.inside();
         let defined = model.scene.primitives().try_for_each(|p| self.define(p));
         let named = |builder: &Self, name: &str| {
             let found = outer.get(name).and_then(|d| d.last()).copied();
@@ -68,7 +68,7 @@ impl Builder<'_> {
             Ok(()) => model.materials.iter().map(chain).collect::<Resolved<Vec<_>>>(),
             Err(error) => Err(Unresolved::Wrong(error)),
         };
-        self.names = outer;
+        self.outside(outer);
         let chains = chains?;
         // A name means what it means where the mesh stands.
         if model.materials.iter().any(|m| matches!(m, MeshMaterial::Named(_))) {
@@ -93,10 +93,10 @@ impl Builder<'_> {
         let flat = documents.and_then(|documents| expand(documents, self.resolve)).map_err(|e| primitive.at_string(0, e))?;
         self.scene.warnings.extend_from_slice(&flat.warnings);
         self.within.push(name.clone());
-        let outer = std::mem::take(&mut self.names);
+        let outer = self.inside();
         let surfaces = self.surfaces(&flat.primitives);
-        self.names = outer;
         self.within.pop();
+        self.outside(outer);
         let group = Arc::new(surfaces?);
         self.groups.insert(name, group.clone());
         Ok(group)
