@@ -11,14 +11,14 @@ use std::collections::{BTreeMap, HashMap};
 
 /// A loss as small as this is that of a perfect photograph: 1 % in each channel.
 const MISFIT: f64 = 3e-4;
-/// The largest side of a block, in pixels; and how many blocks there are at least where there are as many pixels: what few pixels show is compared
+/// The largest side of a block, in pixels; and about how many blocks there are at least where there are as many pixels: few pixels are compared
 /// in smaller ones.
 const BLOCK: usize = 8;
-const BLOCKS: f64 = 32.0;
+const BLOCKS: f64 = 24.0;
 /// A type is excluded when another is better by so many standard errors.
 const EXCLUDED: f64 = 2.0;
 /// By so many it surely is, however few pixels say so; and by no more may one be worse that surely is not.
-const SURE: f64 = 5.0;
+const SURE: f64 = 4.0;
 const NEAR: f64 = 1.0;
 /// Coefficients are the same when they differ by less than so many standard errors, taken between two limits; surely so below another one.
 const SAME: f64 = 3.0;
@@ -130,7 +130,7 @@ impl Sample {
     /// A sample of about so many of the pixels that show the unknown, as [`Evidence::pixels`] found them.
     pub fn of(evidence: &Evidence, pixels: &[usize], about: usize) -> Self {
         let width = evidence.film.width;
-        let side = ((pixels.len() as f64 / BLOCKS).sqrt() as usize).clamp(1, BLOCK);
+        let side = ((pixels.len().min(about) as f64 / BLOCKS).sqrt() as usize).clamp(1, BLOCK);
         let pixels = kept(pixels, width, about, side);
         let mut mask = vec![0.0; width * evidence.film.height];
         pixels.iter().for_each(|&n| mask[n] = evidence.mask.map_or(1.0, |mask| mask[n]));
