@@ -63,6 +63,17 @@ pub fn command_words(line: &str) -> Vec<&str> {
     words
 }
 
+/// How pictures begin that hold no radiance, or hardly ever.
+const TONED: [(&[u8], &str); 7] = [
+    (b"\x89PNG", "PNG"),
+    (b"\xff\xd8\xff", "JPEG"),
+    (b"P5\n", "PGM"),
+    (b"P6\n", "PPM"),
+    (b"GIF8", "GIF"),
+    (b"II*\0", "TIFF"),
+    (b"MM\0*", "TIFF"),
+];
+
 impl Header {
     /// The header of a picture that `command` makes. The date is left out: the same command gives the same bytes.
     pub fn new(command: &str) -> Self {
@@ -167,6 +178,10 @@ impl Picture {
     pub fn read(bytes: &[u8], name: &str) -> Result<Self> {
         if bytes.starts_with(&exr::MAGIC) {
             return exr::Planes::read(bytes, name)?.into_picture("", name);
+        }
+        if let Some((_, kind)) = TONED.iter().find(|(begin, _)| bytes.starts_with(begin)) {
+            let remedy = "give a RADIANCE picture or OpenEXR, as raw files and series of exposures make them";
+            return Err(Error::new(format!("{name}: a {kind} file is made for the eye and holds no radiance; {remedy}")));
         }
         hdr::read(bytes, name)
     }

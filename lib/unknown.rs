@@ -63,7 +63,9 @@ impl std::str::FromStr for Bounds {
     type Err = Error;
 
     fn from_str(text: &str) -> Result<Self> {
-        let wrong = |what: &str| Error::new(format!("{what}; write NAME=START:LOW:HIGH, as in rough=.1:0:.3"));
+        let wrong = |what: &str| {
+            Error::new(format!("{what}; write NAME=START:LOW:HIGH, as in rough=.1:0:.3, or rough=:0:.3 to start as the file does"))
+        };
         let (name, numbers) = text.split_once('=').ok_or_else(|| wrong("no `=`"))?;
         let numbers: Vec<&str> = numbers.split(':').map(str::trim).collect();
         let [start, low, high] = numbers[..] else { return Err(wrong("not three numbers")) };
@@ -75,6 +77,9 @@ impl std::str::FromStr for Bounds {
         }
         if low <= 0.0 && EXPOSURES.contains(&name.trim()) {
             return Err(wrong("an exposure is a factor: its bounds must be greater than 0"));
+        }
+        if low < 0.0 && ROUGHNESSES.contains(&name.trim()) {
+            return Err(wrong("a roughness is not below 0"));
         }
         if start.is_some_and(|s| !(low..=high).contains(&s)) {
             return Err(wrong("the start is outside the bounds"));
@@ -302,7 +307,8 @@ fn find(material: &Primitive, name: &str) -> Result<usize> {
     let place = exposure.or_else(|| material.type_of().and_then(|t| t.parameter(name)).filter(|&i| i < material.reals.len()));
     place.ok_or_else(|| {
         let names: Vec<String> = (0..material.reals.len()).map(|i| self::name(material, i)).collect();
-        material.error(format!("{} `{}` has no parameter `{name}`; it has {}", material.kind, material.name, names.join(" ")))
+        let remedy = if name.contains('=') { "; --fix takes names alone, and keeps the values of the file" } else { "" };
+        material.error(format!("{} `{}` has no parameter `{name}`; it has {}{remedy}", material.kind, material.name, names.join(" ")))
     })
 }
 

@@ -26,10 +26,10 @@ use std::time::Duration;
                       anneal tell STATE [CHI2]\n       anneal best STATE"
 )]
 pub struct Arguments {
-    /// The file with the unknown material (- is standard input); or a step of a search that is driven from outside:
+    /// The file with the unknown material [default: standard input]; or a step of a search that is driven from outside:
     /// `propose STATE` prints the next candidate (the first time give START.rad and options too), `tell STATE CHI2` takes its
     /// chi-squared (without CHI2 what a program prints there, as --exec reads it), `best STATE` prints the best so far
-    #[arg(value_name = "START.rad", required = true, num_args = 1..=3, allow_negative_numbers = true)]
+    #[arg(value_name = "START.rad", num_args = 0..=3, allow_negative_numbers = true)]
     pub words: Vec<String>,
 
     /// The picture, and the scene it was taken in.
@@ -296,6 +296,8 @@ impl Arguments {
             ["best", state] => Ok(Job::Best(state.into())),
             ["propose" | "tell" | "best", ..] => Err(Error::new(format!("{} takes the file that keeps the search; see --help", words[0]))),
             [start] => Ok(Job::Search(start.into())),
+            [] if !photo.scene.is_empty() || self.judge.exec.is_some() => Ok(Job::Search("-".into())),
+            [] => Err(Error::new("nothing to do: give --scene, --target and START.rad; see --help")),
             _ => Err(Error::new("one START.rad only: put the unknown material into one file, and --scene before each file of the scene")),
         }
     }

@@ -24,6 +24,7 @@ use crate::scene::{MaterialId, Reading, Scene};
 use crate::unknown::Unknown;
 use crate::view::View;
 use crate::world::World;
+use std::collections::HashSet;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -286,6 +287,11 @@ fn placed(flat: &mut Flat, unknown: &Unknown) -> Result<usize> {
     let is_it = |p: &Primitive| p.name == material.name && p.type_of().is_some_and(|t| t.class == Class::Material);
     flat.primitives.retain(|p| !is_it(p) || Arc::ptr_eq(&p.span.source, &unknown.source().source));
     let place = flat.primitives.iter().rposition(is_it).ok_or_else(|| material.error("it is not in the scene"))?;
+    if let Some(other) = undefined_instead(flat, &material.name) {
+        let remedy = "call the material so if that is what is unknown (START.rad stands alone, each file of the scene behind a --scene)";
+        let problem = format!("nothing in the scene is made of it, and `{other}`, which something is made of, is not defined: {remedy}");
+        return Err(material.error(problem));
+    }
     let modifier = &material.modifier;
     let defined = |of: &[Primitive]| of.iter().any(|p| p.name == *modifier);
     if !defined(&flat.primitives[..place]) && defined(&flat.primitives[place..]) {
@@ -294,6 +300,16 @@ fn placed(flat: &mut Flat, unknown: &Unknown) -> Result<usize> {
         return Err(material.modifier_error(problem));
     }
     Ok(place)
+}
+
+/// A modifier that a description has and does not define, if nothing there has `name` for its own.
+fn undefined_instead<'f>(flat: &'f Flat, name: &str) -> Option<&'f str> {
+    let uses = |p: &Primitive| p.modifier == name || p.strings.iter().any(|word| word == name);
+    if flat.primitives.iter().any(uses) {
+        return None;
+    }
+    let defined: HashSet<&str> = flat.primitives.iter().map(|p| p.name.as_str()).chain(["void"]).collect();
+    flat.primitives.iter().map(|p| p.modifier.as_str()).find(|modifier| !defined.contains(modifier))
 }
 
 /// The world of a scene with an unknown material, ready for the picture of a film.
@@ -307,3 +323,23 @@ fn surveyed(scene: Scene, rules: &Rules, unknown: MaterialId, film: &Film) -> Re
 /// What a lamp that is added is called, and its width in degrees.
 const ADDED: &str = "predicted_lamp";
 const LAMP: f64 = 2.0;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::error::Source;
+    use crate::resolve::Files;
+
+    #[test]
+    fn a_material_of_another_name_than_the_scene_has_is_told() {
+        let said = |scene: &str| {
+            let documents = ["void plastic it 0 0 5 .5 .5 .5 0 0", scene].map(|text| Document::parse(Source::new("a.rad", text)).unwrap());
+            let flat = expand(documents.into(), &Files::of([])).unwrap();
+            undefined_instead(&flat, "it").map(String::from)
+        };
+        assert_eq!(said("finish sphere s 0 0 4 0 0 0 1"), Some("finish".into()));
+        assert_eq!(said("it sphere s 0 0 4 0 0 0 1\nfinish sphere s 0 0 4 0 0 0 1"), None);
+        assert_eq!(said("void mirror pane 1 it 0 3 .9 .9 .9\nvoid sphere s 0 0 4 0 0 0 1"), None);
+        assert_eq!(said("void alias finish void\nfinish sphere s 0 0 4 0 0 0 1"), None);
+    }
+}

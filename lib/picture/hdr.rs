@@ -154,7 +154,7 @@ impl<'a> Bytes<'a> {
 /// Reads the lines up to the empty one.
 fn read_header<'a>(bytes: &'a [u8], name: &str) -> Result<(Header, &'a [u8])> {
     if !bytes.first().is_some_and(|c| (b' '..=b'~').contains(c)) {
-        let what = if bytes.is_empty() { "empty" } else { "neither a RADIANCE picture nor OpenEXR" };
+        let what = if bytes.is_empty() { "the file is empty" } else { "neither a RADIANCE picture nor OpenEXR" };
         return Err(Error::new(format!("{name}: {what}")));
     }
     let mut header = Header::default();
