@@ -2,6 +2,7 @@
 
 use super::{FRESNEL_OFFSET, Rules, UNWEIGHTED};
 use crate::picture::command_words;
+use std::f64::consts::PI;
 use std::str::FromStr;
 
 /// A command in a picture's header: the program's name without its directory, and its options.
@@ -103,7 +104,7 @@ impl Reckoning {
             rules.ambient_bounces = self.bounces;
         }
         if let Some([jitter, division]) = self.lamps.filter(|_| !lamps) {
-            (rules.light_jitter, rules.light_division) = (Some(jitter), division);
+            (rules.light_jitter, rules.light_division) = (Some(jitter), no_finer(division, jitter));
         }
         if rules.fresnel_offset == FRESNEL_OFFSET {
             rules.fresnel_offset = self.fresnel_offset.unwrap_or(FRESNEL_OFFSET);
@@ -131,6 +132,16 @@ impl Reckoning {
         (self.bounces != Rules::default().ambient_bounces).then(|| format!("-ab {}", self.bounces))
     }
 }
+
+/// A division of lamps, no finer than is worth its time with so much jitter: one that widens the square of a roughness by `WIDENED` at the most, as
+/// parts of a lamp do by their solid angle over 4π, as far as they are not jittered. 0, which divides none, stays.
+fn no_finer(division: f64, jitter: f64) -> f64 {
+    let finest = (4.0 * PI * WIDENED / (1.0 - jitter.min(MOST_JITTER))).sqrt();
+    if division > 0.0 { division.max(finest) } else { division }
+}
+
+const WIDENED: f64 = 1e-4;
+const MOST_JITTER: f64 = 0.99;
 
 /// The releases of RADIANCE, from the first to before the second, whose Fresnel term is larger than that of its sources of today, and what makes it so.
 const LARGER: [[u32; 2]; 2] = [[5, 4], [6, 1]];
@@ -195,7 +206,11 @@ mod tests {
         };
         let (all, division) = (Rules::default().ambient_bounces, Rules::default().light_division);
         assert_eq!(rules(&["rpict -ab 2 a.oct", "\tpfilt -x /2"], [false; 2]), Some((2, Some(0.0), 0.25)));
-        assert_eq!(rules(&["rpict -ab 2 -dj .9 -ds .1 a.oct"], [true, false]), Some((all, Some(0.9), 0.1)));
+        assert_eq!(rules(&["rpict -ab 2 -dj .7 -ds .1 a.oct"], [true, false]), Some((all, Some(0.7), 0.1)));
+        assert_eq!(rules(&["rpict -ab 2 -ds 0 a.oct"], [false; 2]), Some((2, Some(0.0), 0.0)));
+        // Parts of .112 of their distance, jittered over nine tenths of it, widen by .1 · .112² / 4π.
+        let (_, _, division) = rules(&["rpict -ab 2 -dj .9 -ds .02 a.oct"], [false; 2]).unwrap();
+        assert!((division - 0.112).abs() < 1e-3, "{division}");
         assert_eq!(rules(&["rtrace -ab 2 -dj .9 a.oct"], [false, true]), Some((2, None, division)));
         assert_eq!(rules(&["/usr/bin/rtrace a.oct"], [false; 2]), Some((0, Some(0.0), 0.2)));
         assert_eq!(rules(&["rtrace-rs a.rad"], [false; 2]), Some((all, None, division)));
