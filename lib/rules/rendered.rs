@@ -209,8 +209,8 @@ mod tests {
         assert_eq!(rules(&["rpict -ab 2 -dj .7 -ds .1 a.oct"], [true, false]), Some((all, Some(0.7), 0.1)));
         assert_eq!(rules(&["rpict -ab 2 -ds 0 a.oct"], [false; 2]), Some((2, Some(0.0), 0.0)));
         // Parts of .112 of their distance, jittered over nine tenths of it, widen by .1 · .112² / 4π.
-        let (_, _, division) = rules(&["rpict -ab 2 -dj .9 -ds .02 a.oct"], [false; 2]).unwrap();
-        assert!((division - 0.112).abs() < 1e-3, "{division}");
+        let (_, _, coarser) = rules(&["rpict -ab 2 -dj .9 -ds .02 a.oct"], [false; 2]).unwrap();
+        assert!((coarser - 0.112).abs() < 1e-3, "{coarser}");
         assert_eq!(rules(&["rtrace -ab 2 -dj .9 a.oct"], [false, true]), Some((2, None, division)));
         assert_eq!(rules(&["/usr/bin/rtrace a.oct"], [false; 2]), Some((0, Some(0.0), 0.2)));
         assert_eq!(rules(&["rtrace-rs a.rad"], [false; 2]), Some((all, None, division)));
