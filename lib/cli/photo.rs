@@ -73,7 +73,8 @@ impl<'a> Photo<'a> {
             rules = reckoning.taken_into(rules, typed);
         }
         if let Some((name, target)) = &taken {
-            remarks(name, target, &film, unknown, light, &rules).iter().for_each(|remark| console.warn(remark));
+            let bounces = reckoning.as_ref().and_then(|reckoning| reckoning.bounces_otherwise(&rules));
+            remarks(name, target, &film, unknown, light, bounces).iter().for_each(|remark| console.warn(remark));
         }
         disk.count("the view", view.header_line().as_bytes());
         let (name, target) = match taken {

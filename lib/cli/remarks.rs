@@ -4,8 +4,7 @@ use crate::args::rtrace::Light;
 use crate::picture::{PRIMARIES, Picture};
 use crate::rad::Number;
 use crate::render::Film;
-use crate::rules::Rules;
-use crate::rules::rendered::{Reckoning, reduced, shortcuts};
+use crate::rules::rendered::{reduced, shortcuts};
 use crate::unknown::Unknown;
 use crate::view::View;
 
@@ -19,15 +18,14 @@ pub fn elsewhere(name: &str, own: &View, asked: &View) -> Option<String> {
     (!own.is_like(asked)).then(remark)
 }
 
-/// What is to be said of a picture on a film, in which something unknown is to be found by these rules.
-pub fn remarks(name: &str, target: &Picture, film: &Film, unknown: &Unknown, typed: &Light, rules: &Rules) -> Vec<String> {
+/// What is to be said of a picture on a film, in which something unknown is to be found; of how often light bounces there, what is known to be.
+pub fn remarks(name: &str, target: &Picture, film: &Film, unknown: &Unknown, typed: &Light, bounces: Option<String>) -> Vec<String> {
     let lines = || target.header.lines.iter().map(String::as_str);
     let spec = unknown.material().type_of().and_then(|t| t.parameter("spec")).filter(|_| typed.st.or(typed.ss).is_none());
     let least = spec.map(|spec| {
         let lowest: Vec<f64> = unknown.bounds().iter().map(|bound| bound.0).collect();
         unknown.reals(&lowest)[spec]
     });
-    let bounces = Reckoning::of(lines()).and_then(|reckoning| reckoning.bounces_otherwise(rules));
     let file = [misshapen(name, target, film), coloured(name, target), cut_off(target, film), bounces];
     let mut said: Vec<String> = file.into_iter().flatten().collect();
     said.extend(least.into_iter().flat_map(|least| shortcuts(lines(), least)));

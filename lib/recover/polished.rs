@@ -35,12 +35,7 @@ pub fn otherwise(unknown: &Unknown) -> Option<Vec<f64>> {
 }
 
 fn starts_polished(unknown: &Unknown) -> bool {
-    is_polished(&unknown.reals(&unknown.start()))
-}
-
-/// Whether what has these real arguments is so smooth.
-fn is_polished(reals: &[f64]) -> bool {
-    reals[ROUGHNESS].abs() <= PURE
+    unknown.reals(&unknown.start())[ROUGHNESS].abs() <= PURE
 }
 
 /// Recovers the numbers of plastic, metal, trans and their anisotropic kin, polished or not.
