@@ -7,11 +7,10 @@
 //! rendering is far noisier than at what was found, pixels tell nothing, and what seems to be nearer there is chance: a roughness of .03, seen
 //! through a body, came out as .09 and colours of .7 as .97.
 
-use super::look::{Look, Looked, Model};
-use super::scores::{Evaluation, Scores, pictures};
-use super::sheet::Sheet;
+use super::Recovery;
+use super::look::{Look, Traced};
+use super::scores::{Scores, Way};
 use crate::anneal::linear::Symmetric;
-use crate::transport::Basis;
 use rayon::prelude::*;
 
 /// Steps of the other values to where they are best.
@@ -84,19 +83,19 @@ fn width(axis: &[f64], at: usize) -> f64 {
 }
 
 impl Look<'_> {
-    /// What was found; averaged, if some of its values are in doubt.
-    pub fn averaged(&self, looked: Looked, sheet: &Sheet, model: &dyn Model, basis: &Basis) -> Looked {
-        let Looked { mut found, aside, held } = looked;
+    /// What was found, and moved `aside` since; averaged, if some of its values are in doubt.
+    pub fn averaged(&self, mut found: Recovery, aside: &Way, traced: Traced) -> Recovery {
+        let Traced { sheet, model, basis } = traced;
         let range = Range { axes: model.doubtful(&found) };
         if range.axes.is_empty() {
-            return Looked { found, aside, held };
+            return found;
         }
         found.values.iter_mut().zip(&aside.0).for_each(|(value, way)| *value -= way);
         let doubtful = |parameter: usize| range.axes.iter().any(|(slot, _)| *slot == parameter);
-        let halves = pictures(basis, &[model.coefficients(&found.values)]).swap_remove(0);
+        let halves = traced.halves(&found.values);
         let weights = sheet.by_variance(&halves, &sheet.variances(&halves, basis), &basis.samples);
         let scores = |values: &[f64]| {
-            let mut here = Evaluation::new(model, basis, values, self.bounds);
+            let mut here = traced.evaluation(values, self.bounds);
             // A value that no pixel tells stays where it is.
             for (slot, _) in &range.axes {
                 here.derivatives[*slot].iter_mut().for_each(|half| half.fill([0.0; 3]));
@@ -148,7 +147,7 @@ impl Look<'_> {
         found.covariance = Symmetric::of(values.len(), |p, q| within(p, q) + between(p, q) + aside.1.at(p, q));
         let moved = values.iter().zip(&aside.0).map(|(value, way)| value + way);
         found.values = moved.zip(self.bounds).map(|(value, (low, high))| value.clamp(*low, *high)).collect();
-        Looked { found, aside, held }
+        found
     }
 }
 

@@ -5,11 +5,10 @@
 //! the model makes of what was found, with as many samples (parametric bootstrap: Efron 1979, "Bootstrap methods: another look at the jackknife").
 
 use super::Seeds;
-use super::look::{Fit, Look, Model};
+use super::look::{Fit, Look, Traced};
 use super::scores::{Way, pictures};
 use super::sheet::Sheet;
 use crate::anneal::linear::Symmetric;
-use crate::transport::Basis;
 
 /// How many samples such pictures may hold together, in terms of all that the values were found with, and about how much time they take.
 pub const PICTURES: f64 = 0.5;
@@ -22,16 +21,16 @@ const PAIRS: f64 = 4.0;
 impl Look<'_> {
     /// How far values that were found with this basis must go back, as the same fit finds others where they are the true ones. Takes `share` as
     /// many samples as the basis, at the most.
-    pub fn drift(&self, sheet: &Sheet, model: &dyn Model, basis: &Basis, values: &[f64], share: f64, seeds: &mut Seeds) -> Way {
-        let coefficients = [model.coefficients(values)];
-        let halves = pictures(basis, &coefficients).swap_remove(0);
+    pub fn drift(&self, traced: Traced, values: &[f64], share: f64, seeds: &mut Seeds) -> Way {
+        let Traced { sheet, model, basis } = traced;
+        let (coefficients, halves) = ([model.coefficients(values)], traced.halves(values));
         let pixels = sheet.numbers.len();
         let most = share * basis.samples.iter().map(|n| *n as f64).sum::<f64>() / (2 * pixels) as f64;
         let samples = sheet.samples(&halves, &sheet.variances(&halves, basis)).min(most).round().max(1.0);
         let pairs = (most / samples).clamp(1.0, PAIRS) as usize;
         let again = |picture: &[[f64; 3]]| -> Vec<f64> {
             let sheet = Sheet::of(self.evidence, sheet.numbers, picture.iter().map(|p| p.map(|v| v as f32)).collect());
-            let Fit { found, withheld, .. } = self.fit(&sheet, model, basis, values);
+            let Fit { found, withheld, .. } = self.fit(Traced { sheet: &sheet, ..traced }, values);
             let found = self.moved(found, withheld, model);
             values.iter().zip(&found.values).map(|(true_value, found)| true_value - found).collect()
         };

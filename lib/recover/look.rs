@@ -3,10 +3,10 @@
 use super::drift::{LATE, PICTURES};
 use super::enough::More;
 use super::misfit::misfit;
-use super::scores::{Way, influence, pictures};
+use super::scores::{Evaluation, Way, influence, pictures};
 use super::seen::First;
 use super::settle::Settled;
-use super::sheet::Sheet;
+use super::sheet::{Half, Sheet};
 use super::{Effort, Evidence, Recovery, Seeds};
 use crate::anneal::Parameter;
 use crate::anneal::linear::Symmetric;
@@ -86,6 +86,29 @@ pub struct Looked {
     pub held: bool,
 }
 
+/// Pixels, and what a model traced of them.
+#[derive(Clone, Copy)]
+pub struct Traced<'a> {
+    /// The pixels.
+    pub sheet: &'a Sheet<'a>,
+    /// The model.
+    pub model: &'a dyn Model,
+    /// What it traced.
+    pub basis: &'a Basis,
+}
+
+impl Traced<'_> {
+    /// The picture of each half at some values.
+    pub fn halves(&self, values: &[f64]) -> Vec<Half> {
+        pictures(self.basis, &[self.model.coefficients(values)]).swap_remove(0)
+    }
+
+    /// The same, with its derivatives, inside bounds.
+    pub fn evaluation(&self, values: &[f64], bounds: &[(f64, f64)]) -> Evaluation {
+        Evaluation::new(self.model, self.basis, values, bounds)
+    }
+}
+
 /// What is looked at, and with what in mind.
 pub struct Look<'a> {
     /// The picture.
@@ -111,14 +134,15 @@ impl Look<'_> {
         let (mut best, mut before) = (near.to_vec(), [(); 2].map(|()| vec![0.0; near.len()]));
         for round in 1.. {
             let sheet = Sheet::new(self.evidence, seen.pixels());
-            let mut fit = self.fit(&sheet, model, &seen.basis, &best);
+            let traced = Traced { sheet: &sheet, model, basis: &seen.basis };
+            let mut fit = self.fit(traced, &best);
             let untempered = fit.found.errors();
             self.temper(&mut fit.found, &before);
             let found = &fit.found;
             before = [found.errors(), untempered];
             (self.effort.told)(found);
             if self.evidence.blurred {
-                let blurred = self.blurred(found.clone(), &sheet, model, &seen.basis);
+                let blurred = self.blurred(found.clone(), traced);
                 if blurred.amiss().is_some() {
                     return Looked { aside: aside(found, &blurred), held: model.holds(&blurred, &seen.basis), found: blurred };
                 }
@@ -135,7 +159,7 @@ impl Look<'_> {
             let go_on = !strayed && round < ROUNDS && !self.effort.quick && most >= GROWTH.0;
             let Some(more) = wanted.filter(|_| go_on) else {
                 let share = drifts.then_some(time.min(PICTURES)).filter(|share| *share > LATE);
-                return self.last(fit, &sheet, model, &seen.basis, share, seeds);
+                return self.last(fit, strayed, traced, share, seeds);
             };
             best.clone_from(&found.values);
             model.tune(&best, Some(&found.errors()));
@@ -144,21 +168,20 @@ impl Look<'_> {
         unreachable!("a look has rounds")
     }
 
-    /// What a look comes to that ends with a fit: moved by what was held back, by how far such a fit leads astray, if a `share` of the samples may be
-    /// taken to see that, and by all that values may be where the pixels hardly tell them.
-    fn last(&self, fit: Fit, sheet: &Sheet, model: &dyn Model, basis: &Basis, share: Option<f64>, seeds: &mut Seeds) -> Looked {
+    /// What a look comes to that ends with a fit: moved by what was held back if it did not stray, by how far such a fit leads astray, if a `share` of
+    /// the samples may be taken to see that, and by all that values may be where the pixels hardly tell them.
+    fn last(&self, fit: Fit, strayed: bool, traced: Traced, share: Option<f64>, seeds: &mut Seeds) -> Looked {
         let Fit { found, withheld, .. } = fit;
-        let strayed = !model.holds(&found, basis);
-        let moved = self.moved(found.clone(), withheld.filter(|_| !strayed), model);
-        let drift = share.map(|share| self.drift(sheet, model, basis, &moved.values, share, seeds));
-        let moved = self.blurred(self.moved(moved, drift, model), sheet, model, basis);
-        let looked = Looked { aside: aside(&found, &moved), held: model.holds(&moved, basis), found: moved };
+        let moved = self.moved(found.clone(), withheld.filter(|_| !strayed), traced.model);
+        let drift = share.map(|share| self.drift(traced, &moved.values, share, seeds));
+        let moved = self.blurred(self.moved(moved, drift, traced.model), traced);
+        let aside = aside(&found, &moved);
         if self.effort.quick || strayed && (self.another)() {
-            return looked;
+            return Looked { aside, held: !strayed, found: moved };
         }
-        let Looked { found: last, aside, .. } = self.averaged(looked, sheet, model, basis);
-        let last = if last.values == found.values { last } else { self.again(last, sheet, model, basis) };
-        Looked { aside, held: model.holds(&last, basis), found: last }
+        let averaged = self.averaged(moved, &aside, traced);
+        let last = if averaged.values == found.values { averaged } else { self.again(averaged, traced) };
+        Looked { aside, held: traced.model.holds(&last, traced.basis), found: last }
     }
 
     /// Takes the errors of a round for no smaller than a part of those taken before: few more samples make none so much surer but by chance, as where
@@ -175,8 +198,9 @@ impl Look<'_> {
     }
 
     /// The values that explain the picture best, near some.
-    pub fn fit(&self, sheet: &Sheet, model: &dyn Model, basis: &Basis, near: &[f64]) -> Fit {
-        let Settled { scores: mut now, variances } = self.settled(sheet, model, basis, near);
+    pub fn fit(&self, traced: Traced, near: &[f64]) -> Fit {
+        let Traced { sheet, model, basis } = traced;
+        let Settled { scores: mut now, variances } = self.settled(traced, near);
         let values = now.here.values.clone();
         let wished: Vec<f64> =
             self.parameters.iter().zip(&values).enumerate().map(|(i, (p, value))| self.effort.near(i, p, *value)).collect();
@@ -214,10 +238,10 @@ impl Look<'_> {
     }
 
     /// What was found, with how far the pixels are off, and how they are blurred, where its values were moved to since.
-    fn again(&self, found: Recovery, sheet: &Sheet, model: &dyn Model, basis: &Basis) -> Recovery {
-        let halves = pictures(basis, &[model.coefficients(&found.values)]).swap_remove(0);
-        let again = Recovery { chi2: sheet.chi2(&halves), misfit: misfit(sheet, basis, &halves), ..found };
-        if self.evidence.blurred { again } else { self.blurred(again, sheet, model, basis) }
+    fn again(&self, found: Recovery, traced: Traced) -> Recovery {
+        let (sheet, halves) = (traced.sheet, traced.halves(&found.values));
+        let again = Recovery { chi2: sheet.chi2(&halves), misfit: misfit(sheet, traced.basis, &halves), ..found };
+        if self.evidence.blurred { again } else { self.blurred(again, traced) }
     }
 
     /// What was found, moved on if there is a way to go.

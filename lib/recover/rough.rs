@@ -3,7 +3,7 @@
 use super::fit::{Point, Problem, Valley};
 use super::foresight::telling;
 use super::gram::Gram;
-use super::look::{Look, Model};
+use super::look::{Look, Model, Traced};
 use super::model::{Grid, Kind, SPECULARITY, alphas, coefficients, exposed, nodes, parts};
 use super::scores::pictures;
 use super::seen::{First, scattered};
@@ -406,7 +406,8 @@ pub fn recover(sought: &Sought, effort: Effort, enough: &dyn Fn(&Recovery) -> bo
         let mut stage = wide();
         stage.know(&found.values, true);
         let basis = stage.trace_all(sheet.numbers, (LAST_SAMPLES[faint as usize] / sheet.numbers.len()) as u32, seeds.next());
-        return Ok(closer.averaged(looked, &sheet, &stage, &basis).found);
+        let traced = Traced { sheet: &sheet, model: &stage, basis: &basis };
+        return Ok(closer.averaged(looked.found, &looked.aside, traced));
     }
     unreachable!()
 }

@@ -1,9 +1,9 @@
 //! Where the pixels lead, from values near that.
 
 use super::fit::{Valley, derivatives};
-use super::look::{Look, Model};
+use super::look::{Look, Model, Traced};
 use super::scores::{BOUNDINGS, Evaluation, STEPS, Scores, pictures, products};
-use super::sheet::{Channels, Half, Sheet, mean, weight};
+use super::sheet::{Channels, Half, mean, weight};
 use super::total::total;
 use crate::anneal::linear::Symmetric;
 use crate::transport::Basis;
@@ -18,15 +18,15 @@ pub struct Settled<'a> {
 
 impl Look<'_> {
     /// Where the scores vanish, by weights that go by what the model says at values near that.
-    pub fn settled<'s>(&self, sheet: &'s Sheet<'s>, model: &dyn Model, basis: &Basis, near: &[f64]) -> Settled<'s> {
-        let halves = pictures(basis, &[model.coefficients(near)]).swap_remove(0);
+    pub fn settled<'s>(&self, traced: Traced<'s>, near: &[f64]) -> Settled<'s> {
+        let (Traced { sheet, model, basis }, halves) = (traced, traced.halves(near));
         let variances = sheet.variances(&halves, basis);
         let weights = sheet.by_variance(&halves, &variances, &basis.samples);
         // The bottom of the whole χ², which is safe to find though its place is biased by the noise of the rendering.
-        let whole = Whole { model, basis, target: &sheet.target, weights: &weights.halves, bounds: self.bounds };
+        let whole = Whole { traced, weights: &weights.halves, bounds: self.bounds };
         let begin = whole.polish(near, &vec![true; near.len()]).values;
         let at = |place, weights| Scores::new(sheet, weights, place, self.bounds);
-        let mut now = at(Evaluation::new(model, basis, &begin, self.bounds), weights);
+        let mut now = at(traced.evaluation(&begin, self.bounds), weights);
         let pulls = model.pulls();
         // What is far too bright by chance must not lead astray; what pulls hard because the values are not there yet, may.
         for _ in 0..BOUNDINGS {
@@ -41,7 +41,7 @@ impl Look<'_> {
                     let Some(lighter) = now.bounded(pull) else { break };
                     now = at(now.here, lighter);
                 }
-                let Some((next, taken)) = self.step(&now, model, basis).filter(|(_, taken)| *taken < size) else { break };
+                let Some((next, taken)) = self.step(&now, traced).filter(|(_, taken)| *taken < size) else { break };
                 (now, size) = (at(next, now.weights), taken);
                 if taken < STEADY {
                     break;
@@ -55,20 +55,20 @@ impl Look<'_> {
         now = stepped(now, BOUNDINGS, Some(pulls[1]));
         // Where few samples say little, all that may lead to a place that is far worse.
         if now.excess(&halves) < -worse(basis) {
-            now = at(Evaluation::new(model, basis, near, self.bounds), now.weights);
+            now = at(traced.evaluation(near, self.bounds), now.weights);
         }
         Settled { scores: now, variances }
     }
 
     /// Where the scores ask values to move, and how far that is in standard errors: as far as the model can be trusted, and half as far, and so on,
     /// while pixels are surely farther off there. `None` if there is no saying.
-    fn step(&self, now: &Scores, model: &dyn Model, basis: &Basis) -> Option<(Evaluation, f64)> {
+    fn step(&self, now: &Scores, traced: Traced) -> Option<(Evaluation, f64)> {
         let (step, here) = (now.step_within(self.bounds)?, &now.here.values);
         let part = |part: f64| {
             let asked: Vec<f64> = here.iter().zip(&step).zip(self.bounds).map(|((v, s), b)| (v + part * s).clamp(b.0, b.1)).collect();
-            Evaluation::new(model, basis, &model.trusted(&asked), self.bounds)
+            traced.evaluation(&traced.model.trusted(&asked), self.bounds)
         };
-        let borne = (0..HALVINGS).map(|n| part(0.5f64.powi(n))).find(|place| now.excess(&place.halves) < worse(basis))?;
+        let borne = (0..HALVINGS).map(|n| part(0.5f64.powi(n))).find(|place| now.excess(&place.halves) < worse(traced.basis))?;
         let taken = now.length(&borne);
         Some((borne, taken))
     }
@@ -90,9 +90,7 @@ const STEADY: f64 = 0.05;
 
 /// χ² of the mean of both halves, pixel by pixel.
 struct Whole<'a> {
-    model: &'a dyn Model,
-    basis: &'a Basis,
-    target: &'a Channels,
+    traced: Traced<'a>,
     weights: &'a [Channels; 2],
     bounds: &'a [(f64, f64)],
 }
@@ -107,14 +105,14 @@ impl Valley for Whole<'_> {
     }
 
     fn chi2(&self, values: &[f64]) -> f64 {
-        let halves = pictures(self.basis, &[self.model.coefficients(values)]).swap_remove(0);
-        let rest = |p: usize, c: usize| self.target[p][c] as f64 - mean(&halves, p, c);
-        total(self.target.len(), 1, |p, sum| sum[0] += (0..3).map(|c| weight(self.weights, p, c) * rest(p, c).powi(2)).sum::<f64>())[0]
+        let (target, halves) = (&self.traced.sheet.target, self.traced.halves(values));
+        let rest = |p: usize, c: usize| target[p][c] as f64 - mean(&halves, p, c);
+        total(target.len(), 1, |p, sum| sum[0] += (0..3).map(|c| weight(self.weights, p, c) * rest(p, c).powi(2)).sum::<f64>())[0]
     }
 
     fn normal_equations(&self, values: &[f64]) -> (Vec<f64>, Symmetric) {
-        let Evaluation { halves, derivatives, .. } = Evaluation::new(self.model, self.basis, values, self.bounds);
-        products(self.weights, &derivatives, |p, c| mean(&halves, p, c) - self.target[p][c] as f64)
+        let Evaluation { halves, derivatives, .. } = self.traced.evaluation(values, self.bounds);
+        products(self.weights, &derivatives, |p, c| mean(&halves, p, c) - self.traced.sheet.target[p][c] as f64)
     }
 }
 

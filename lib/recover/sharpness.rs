@@ -5,12 +5,11 @@
 
 use super::Recovery;
 use super::doubts::digits;
-use super::look::{Look, Model};
+use super::look::{Look, Traced};
 use super::scores::{Evaluation, Scores, Way};
 use super::sheet::{Half, Sheet};
 use crate::anneal::linear::Symmetric;
 use crate::render::Filter;
-use crate::transport::Basis;
 use serde::{Deserialize, Serialize};
 
 /// How a picture's pixels are blurred: variances along each axis, in pixels².
@@ -65,20 +64,21 @@ impl Blur {
 
 impl Look<'_> {
     /// What was found, with how the picture is blurred; where that was to be found too, moved on by it.
-    pub fn blurred(&self, mut found: Recovery, sheet: &Sheet, model: &dyn Model, basis: &Basis) -> Recovery {
-        let (blur, way) = self.blur(sheet, model, basis, &found.values).unzip();
+    pub fn blurred(&self, mut found: Recovery, traced: Traced) -> Recovery {
+        let (blur, way) = self.blur(traced, &found.values).unzip();
         found.blur = blur;
         // What strayed goes on from where it is.
-        let reckoned = self.evidence.blurred && model.holds(&found, basis);
-        self.moved(found, way.filter(|_| reckoned), model)
+        let reckoned = self.evidence.blurred && traced.model.holds(&found, traced.basis);
+        self.moved(found, way.filter(|_| reckoned), traced.model)
     }
 
     /// How the picture seems to be blurred where the values are about as given, and where those go with what it is more blurred than it is taken to
     /// be. `None` if there is no saying.
     ///
     /// To first order the variance of a blur changes a picture by half its Laplacian, times that: it is one more value to fit, beside the others.
-    fn blur(&self, sheet: &Sheet, model: &dyn Model, basis: &Basis, values: &[f64]) -> Option<(Blur, Way)> {
-        let Evaluation { mut values, mut halves, mut derivatives } = Evaluation::new(model, basis, values, self.bounds);
+    fn blur(&self, traced: Traced, values: &[f64]) -> Option<(Blur, Way)> {
+        let Traced { sheet, basis, .. } = traced;
+        let Evaluation { mut values, mut halves, mut derivatives } = traced.evaluation(values, self.bounds);
         let variances = sheet.variances(&halves, basis);
         let (n, mut bounds) = (values.len(), self.bounds.to_vec());
         values.push(0.0);
