@@ -13,7 +13,6 @@ pub mod exposure;
 mod fit;
 mod foresight;
 mod gram;
-mod indices;
 mod look;
 mod misfit;
 pub mod model;
@@ -303,7 +302,7 @@ pub fn recover(evidence: &Evidence, unknown: &Unknown, material: MaterialId, eff
         let (saturated, pixels) = if effort.wary { saturated::apart(&evidence, pixels) } else { (vec![], pixels) };
         let found = match Kind::named(&unknown.material().kind) {
             Some(kind) => polished::recover(&Sought { evidence: &evidence, unknown, material, kind, pixels: &pixels }, effort, tell),
-            None => clear::recover(&evidence, unknown, material, &pixels, effort, tell),
+            None => clear::recover(&clear::Through::new(&evidence, unknown, material), &pixels, effort, tell),
         };
         found.map(|found| Recovery { saturated, ..found })
     };

@@ -64,9 +64,9 @@ pub fn predict(evidence: &Evidence, unknown: &Unknown, material: MaterialId, see
             by(&mut rough::near_start(&sought), evidence, unknown, [pixels, &all], seed)
         }
         None => {
-            let sought = clear::Through::new(evidence, unknown, material);
-            let found = by(&mut clear::near_start(evidence, &sought, material), evidence, &sought.unknown, [pixels, &all], seed)?;
-            let rates = sought.rates(&sought.unknown.start(), &found.covariance);
+            let through = clear::Through::new(evidence, unknown, material);
+            let found = by(&mut clear::near_start(&through), evidence, &through.unknown, [pixels, &all], seed)?;
+            let rates = through.rates(&through.unknown.start(), &found.covariance);
             Ok(Prediction { covariance: found.covariance.scaled(&rates), common: found.common.scaled(&rates), ..found })
         }
     }

@@ -4,15 +4,15 @@
 //! a needle that no descent finds. Their logarithms fall toward it from afar. The colours, which pixels that are dark by chance would spoil,
 //! come from the means of blocks of pixels.
 
-use super::clear::{Stage, Through, slot};
-use super::fit::Point;
-use super::look::Model;
-use super::sheet::Sheet;
-use super::{Effort, Evidence, Seeds};
+use super::stage::Stage;
+use super::through::Through;
 use crate::anneal::{Annealer, Options};
 use crate::error::Result;
+use crate::recover::fit::Point;
+use crate::recover::look::Model;
+use crate::recover::sheet::Sheet;
+use crate::recover::{Effort, Seeds};
 use crate::sampling::mix64;
-use crate::scene::MaterialId;
 use crate::transport::Basis;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -44,12 +44,8 @@ const STEPS: usize = 300;
 
 /// A search for the index of an unknown.
 pub struct Search<'a> {
-    /// The picture.
-    pub evidence: &'a Evidence<'a>,
-    /// The unknown.
-    pub sought: &'a Through,
-    /// Its place among the materials.
-    pub material: MaterialId,
+    /// What is looked at.
+    pub through: &'a Through<'a>,
     /// Where the index can be: one place if it is known.
     pub range: (f64, f64),
     /// What fixes the choices of the annealing, and when to end.
@@ -60,8 +56,8 @@ impl Search<'_> {
     /// The values that come nearest, and where the index is by them: sought at indices all over the range first, then at nearer and nearer ones
     /// around the best.
     pub fn best(&self, sheet: &Sheet, seeds: &mut Seeds, tell: &dyn Fn(&str)) -> Result<(Vec<f64>, (f64, f64))> {
-        let (slot, (low, high)) = (slot(&self.sought.unknown), self.range);
-        let mut best = self.sought.unknown.start();
+        let (slot, (low, high)) = (self.through.slot(), self.range);
+        let mut best = self.through.unknown.start();
         let (mut from, mut to, mut step) = (low, high, FIRST);
         let mut searches = SAMPLES.into_iter().peekable();
         let (mut shifts, mut more, mut known) = (0, 1, self.range);
@@ -107,10 +103,10 @@ impl Search<'_> {
     fn at(&self, index: f64, values: &[f64], sheet: &Sheet, places: &[usize], samples: u32, seed: u64) -> Result<Point> {
         let numbers: Vec<usize> = places.iter().map(|&i| sheet.numbers[i]).collect();
         let samples = samples.div_ceil(numbers.len() as u32);
-        let stage = Stage::new(self.evidence, self.sought, self.material, vec![index]);
+        let stage = Stage::new(self.through, vec![index]);
         let basis = stage.trace_all(&numbers, samples, seed);
         let mut values = values.to_vec();
-        slot(&self.sought.unknown).into_iter().for_each(|i| values[i] = index);
+        self.through.slot().into_iter().for_each(|i| values[i] = index);
         let means = |width| Means::new(&stage, sheet, places, &basis, width);
         let block = (TOGETHER * sheet.numbers.len() as f64 / places.len() as f64).sqrt().ceil() as usize;
         let values = means(block).fit(values, self.effort.seed)?;
@@ -211,8 +207,8 @@ impl<'a> Means<'a> {
 
     /// The values that bring the means nearest, the index being as in `values`.
     fn fit(&self, values: Vec<f64>, seed: u64) -> Result<Vec<f64>> {
-        let unknown = self.stage.unknown;
-        let free: Vec<usize> = (0..values.len()).filter(|&i| Some(i) != slot(unknown)).collect();
+        let through = self.stage.through;
+        let free: Vec<usize> = (0..values.len()).filter(|&i| Some(i) != through.slot()).collect();
         if free.is_empty() {
             return Ok(values);
         }
@@ -222,7 +218,7 @@ impl<'a> Means<'a> {
             values
         };
         let options = Options { seed, steps: STEPS, groups: (0..free.len()).map(|i| vec![i]).collect(), ..Options::default() };
-        let mut annealer = Annealer::new(free.iter().map(|&i| unknown.parameters()[i].clone()).collect(), options)?;
+        let mut annealer = Annealer::new(free.iter().map(|&i| through.unknown.parameters()[i].clone()).collect(), options)?;
         annealer.drive(|part, _| self.squares(&whole(part)));
         Ok(whole(&annealer.best().map_or_else(Vec::new, |b| b.values)))
     }
