@@ -302,7 +302,8 @@ impl<B: Clone> Integrator<'_, B> {
             return;
         }
         if let Some(jitter) = self.rules.light_jitter {
-            let fraction = self.rules.light_division / at.weight;
+            // RADIANCE's ambient rays share the weight of one, so that next to nothing is left of it for each.
+            let fraction = if at.bounces == 0 { self.rules.light_division / at.weight } else { f64::INFINITY };
             for (lamp, form) in world.lamps().iter().enumerate() {
                 let mut sampler = vertex.sampler.fork();
                 form.parts(at.ray.origin, jitter, fraction, &mut || sampler.pair(), &mut |sample| {
