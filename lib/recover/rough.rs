@@ -14,8 +14,8 @@ use crate::error::Result;
 use crate::scene::MaterialId;
 use crate::unknown::Unknown;
 use rayon::prelude::*;
-pub use stage::SMOOTHEST;
 use stage::Stage;
+pub use stage::{SMOOTHEST, faint};
 use std::time::Instant;
 
 /// The first look: about so many pixels, and samples of each in each half, of isotropic and of anisotropic materials. (With 16, one of roughnesses
@@ -113,7 +113,7 @@ pub fn recover(sought: &Sought, effort: Effort, enough: &dyn Fn(&Recovery) -> bo
             return Ok(looked.found);
         }
         tell("last look");
-        let faint = stage.faint(found);
+        let faint = faint(sought.kind, unknown, found);
         let sheet = some(evidence, &order, LAST_PIXELS);
         let mut stage = Stage::wide(sought);
         stage.know(&found.values, true);

@@ -133,17 +133,6 @@ impl<'a> Stage<'a> {
         self.kind.polished || self.middle[0].max(self.middle[1]) < SHARP
     }
 
-    /// Whether there may be no specular light at all. How much there may be depends then on the roughness that is looked at.
-    pub fn faint(&self, found: &Recovery) -> bool {
-        let errors = found.errors();
-        let none = |argument: usize| match self.unknown.slots()[argument] {
-            Some(slot) => found.values[slot] <= FAINT * errors[slot],
-            None => self.unknown.material().reals[argument] == 0.0,
-        };
-        let through = self.kind.roughnesses().end;
-        none(SPECULARITY) && (!self.kind.transmits || none(through) || none(through + 1))
-    }
-
     /// By how much what light meets that meets the unknown more often than products tell differs from what was found: by the shares of its parts, and by
     /// the roughness of those that have one.
     fn changed(&self, found: &Recovery) -> f64 {
@@ -182,6 +171,17 @@ impl<'a> Stage<'a> {
         let [u, v] = slots(self.kind, self.unknown);
         [u, v.filter(|_| v != u)].into_iter().enumerate().filter_map(|(axis, slot)| Some((axis, slot?)))
     }
+}
+
+/// Whether there may be no specular light at all: how much there may be depends then on the roughness that is looked at.
+pub fn faint(kind: Kind, unknown: &Unknown, found: &Recovery) -> bool {
+    let errors = found.errors();
+    let none = |argument: usize| match unknown.slots()[argument] {
+        Some(slot) => found.values[slot] <= FAINT * errors[slot],
+        None => unknown.material().reals[argument] == 0.0,
+    };
+    let through = kind.roughnesses().end;
+    none(SPECULARITY) && (!kind.transmits || none(through) || none(through + 1))
 }
 
 /// From where to where a roughness may move among rising nodes when it is `near` and directions are drawn around `middle`, which is no less: from
@@ -244,7 +244,7 @@ impl Model for Stage<'_> {
     }
 
     fn doubtful(&self, found: &Recovery) -> Vec<(usize, Vec<f64>)> {
-        let faint = self.faint(found);
+        let faint = faint(self.kind, self.unknown, found);
         let doubtful = self.axes().filter(|(_, slot)| faint || found.clarity[*slot] < DOUBTFUL);
         doubtful.map(|(axis, slot)| (slot, self.grid[axis].clone())).collect()
     }
