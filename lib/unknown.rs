@@ -144,6 +144,14 @@ impl Unknown {
         let mut slots: Vec<Option<usize>> = vec![None; start.len()];
         for (i, range) in ranges.iter().enumerate().filter(|(i, _)| leader[*i] == *i) {
             if let &Some((low, high)) = range {
+                // What is more than usual exists, but neither less than nothing nor a share of more than all.
+                if start[i] < 0.0 && low == 0.0 || start[i] > 1.0 && high == 1.0 {
+                    let name = name(&material, i);
+                    let remedy = format!("start it there, or give --param {name}=START:LOW:HIGH");
+                    let message =
+                        format!("{name} is sought from {} to {}, and starts at {}; {remedy}", Number(low), Number(high), Number(start[i]));
+                    return Err(material.real_error(i, message));
+                }
                 slots[i] = Some(parameters.len());
                 parameters.push(Parameter { name: name(&material, i), start: start[i], low: low.min(start[i]), high: high.max(start[i]) });
             }
@@ -461,6 +469,12 @@ mod tests {
     fn a_start_outside_the_usual_bounds_widens_them() {
         let rough = unknown("void plastic a 0 0 5 .5 .5 .5 0 .6", &Wishes::default()).unwrap();
         assert_eq!(rough.parameters()[4].high, 0.6);
+        // But nothing is less than nothing, and no share more than all.
+        let said = message("void plastic a 0 0 5 .5 1.5 .5 0 .6", &Wishes::default());
+        assert!(said.starts_with("start.rad:1:25: error: green is sought from 0 to 1, and starts at 1.5; "), "{said}");
+        assert!(message("void dielectric a 0 0 5 .5 -1 .5 1.5 0", &Wishes::default()).contains("green is sought from 0 to 1"));
+        let wider = Wishes { bounds: vec!["green=:0:2".parse().unwrap()], ..Wishes::default() };
+        assert!(unknown("void plastic a 0 0 5 .5 1.5 .5 0 .6", &wider).is_ok());
     }
 
     #[test]

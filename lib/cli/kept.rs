@@ -67,9 +67,9 @@ impl Kept {
         if !path.exists() {
             return Ok(None);
         }
-        let remedy = "remove it to begin anew, or name another state";
-        let trouble = |what: &str| Error::new(format!("{}: {what}; {remedy}", path.display()));
-        let kept: Self = serde_json::from_slice(&file(path)?).map_err(|e| trouble(&format!("not a recovery that anneal keeps ({e})")))?;
+        let trouble = |what: &str, remedy: &str| Error::new(format!("{}: {what}; {remedy}", path.display()));
+        let stranger = |why: &str| trouble(&format!("not a recovery that anneal keeps ({why})"), "name another state");
+        let kept: Self = serde_json::from_slice(&file(path)?).map_err(|e| stranger(&e.to_string()))?;
         let Asked { version, options, read } = &kept.asked;
         for (same, what) in [
             (*version == asked.version, "by another version of this program"),
@@ -77,13 +77,13 @@ impl Kept {
             (*read == asked.read, "from other files"),
         ] {
             if !same {
-                return Err(trouble(&format!("it keeps a recovery {what}")));
+                return Err(trouble(&format!("it keeps a recovery {what}"), "remove it to begin anew, or name another state"));
             }
         }
         let unknown = unknowns.iter().position(|unknown| unknown.material().kind == kept.kind);
         match unknown.filter(|&unknown| kept.is_of(unknowns[unknown].parameters().len())) {
             Some(unknown) => Ok(Some((kept, unknown))),
-            None => Err(trouble("not a recovery that anneal keeps (its parts contradict each other)")),
+            None => Err(stranger("its parts contradict each other")),
         }
     }
 

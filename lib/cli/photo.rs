@@ -4,7 +4,7 @@ mod direct;
 
 pub use direct::Direct;
 
-use super::remarks::{elsewhere, remarks};
+use super::remarks::{elsewhere, of_rendering, remarks};
 use super::stream::input;
 use super::{Console, Disk, Outcome, scene};
 use crate::args::anneal::{Arguments, Photo as PhotoOptions, Sharpness};
@@ -72,15 +72,13 @@ impl<'a> Photo<'a> {
         if let Some(reckoning) = &reckoning {
             rules = reckoning.taken_into(rules, typed);
         }
-        if let Some((name, target)) = &taken {
-            let bounces = reckoning.as_ref().and_then(|reckoning| reckoning.bounces_otherwise(&rules));
-            remarks(name, target, &film, unknown, light, bounces).iter().for_each(|remark| console.warn(remark));
-        }
         disk.count("the view", view.header_line().as_bytes());
         let (name, target) = match taken {
             Some(taken) => taken,
             None => (String::new(), Picture::new(film.width, film.height, Header::default())?),
         };
+        let mut said = remarks(&name, &target, &film);
+        said.extend(reckoning.as_ref().and_then(|reckoning| reckoning.bounces_otherwise(&rules)));
         let steps = target.steps();
         let target = target.into_radiance();
         let mask = photo.mask.as_deref().map(read).transpose()?;
@@ -102,6 +100,8 @@ impl<'a> Photo<'a> {
             return Err(Error::new(format!("the scene has no light, so that every rendering is black: {remedy}")).into());
         }
         let world = surveyed(scene, &rules, material, &film)?;
+        said.extend(of_rendering(&target, unknown, light, world.lamps().len()));
+        said.iter().for_each(|remark| console.warn(remark));
         let taken_over = [!typed[0], !typed[1] && !world.lamps().is_empty()];
         reckoning.and_then(|reckoning| reckoning.note(&name, taken_over)).iter().for_each(|note| console.note(note));
         Ok(Self {

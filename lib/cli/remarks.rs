@@ -18,18 +18,19 @@ pub fn elsewhere(name: &str, own: &View, asked: &View) -> Option<String> {
     (!own.is_like(asked)).then(remark)
 }
 
-/// What is to be said of a picture on a film, in which something unknown is to be found; of how often light bounces there, what is known to be.
-pub fn remarks(name: &str, target: &Picture, film: &Film, unknown: &Unknown, typed: &Light, bounces: Option<String>) -> Vec<String> {
-    let lines = || target.header.lines.iter().map(String::as_str);
+/// What is to be said of a picture on a film.
+pub fn remarks(name: &str, target: &Picture, film: &Film) -> Vec<String> {
+    [misshapen(name, target, film), coloured(name, target), cut_off(target, film)].into_iter().flatten().collect()
+}
+
+/// What is to be said of a picture that RADIANCE rendered, as its header says, of a scene with so many lamps.
+pub fn of_rendering(target: &Picture, unknown: &Unknown, typed: &Light, lamps: usize) -> Vec<String> {
     let spec = unknown.material().type_of().and_then(|t| t.parameter("spec")).filter(|_| typed.st.or(typed.ss).is_none());
     let least = spec.map(|spec| {
         let lowest: Vec<f64> = unknown.bounds().iter().map(|bound| bound.0).collect();
         unknown.reals(&lowest)[spec]
     });
-    let file = [misshapen(name, target, film), coloured(name, target), cut_off(target, film), bounces];
-    let mut said: Vec<String> = file.into_iter().flatten().collect();
-    said.extend(least.into_iter().flat_map(|least| shortcuts(lines(), least)));
-    said
+    shortcuts(target.header.lines.iter().map(String::as_str), least, lamps)
 }
 
 /// Of pixels that are not of the shape that the header says, by more than rounding rows or columns makes.

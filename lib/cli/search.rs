@@ -129,12 +129,7 @@ impl Search {
         if !path.exists() {
             return Ok(None);
         }
-        let damaged = |why: String| {
-            Error::new(format!(
-                "{}: not a search that anneal keeps ({why}); name another state, or remove it to begin anew",
-                path.display()
-            ))
-        };
+        let damaged = |why: String| Error::new(format!("{}: not a search that anneal keeps ({why}); name another state", path.display()));
         let kept: Kept = serde_json::from_slice(&file(path)?).map_err(|e| damaged(e.to_string()))?;
         let start = Document::read(&kept.name, crate::rad::encode(&kept.start));
         let unknown = start.and_then(|start| Unknown::new(start, &kept.wishes)).map_err(|e| damaged(e.remark()))?;

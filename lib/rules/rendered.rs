@@ -49,22 +49,35 @@ impl<'a> Command<'a> {
     }
 }
 
-/// What of rough reflection the last of RADIANCE's renderers in a picture's header changed, where a specularity may be as small as `least`: a sentence
-/// each. How much too bright: a metal ball in light from everywhere by `rpict -st 0 -ab 1`, with `-ss 1` and with `-ss 8`.
-pub fn shortcuts<'a>(lines: impl IntoIterator<Item = &'a str>, least: f64) -> Vec<String> {
+/// What the last of RADIANCE's renderers in a picture's header changed of the light of a scene with so many lamps: a sentence each. Of rough reflection
+/// only where that counts, and a specularity may be as small as `least`. How much too bright: a metal ball in light from everywhere by `rpict -st 0
+/// -ab 1`, with `-ss 1` and with `-ss 8`; a floor in a room by `-aa .1 -ad 1024`, and what comes through a shade with a lamp in it beside three others
+/// by `-dt .05`, without and with that.
+pub fn shortcuts<'a>(lines: impl IntoIterator<Item = &'a str>, least: Option<f64>, lamps: usize) -> Vec<String> {
     let Some(command) = Command::last(lines, &["rpict", "rtrace"]) else { return vec![] };
-    let ((threshold, st), (sampling, ss)) = (command.option("-st", 0.15), command.option("-ss", 1.0));
+    let rpict = command.program() == "rpict";
     let mut found = Vec::new();
     let mut say = |option: String, harm: &str, remedy: &str| {
         found.push(format!("the target was rendered by {} with {option}: {harm}; render it with {remedy}", command.program()));
     };
-    if threshold > least {
-        say(st, "a specularity up to that mirrors nothing but lamps there, and comes out too small", "-st 0");
+    if let Some(least) = least {
+        let ((threshold, st), (sampling, ss)) = (command.option("-st", 0.15), command.option("-ss", 1.0));
+        if threshold > least {
+            say(st, "a specularity up to that mirrors nothing but lamps there, and comes out too small", "-st 0");
+        }
+        if sampling == 0.0 {
+            say(ss, "rough surfaces reflect like mirrors there", "-ss 2");
+        } else if sampling <= UNWEIGHTED {
+            say(ss, "rough surfaces reflect too much there, 3 % at a roughness of .1 and 8 % at .2", "-ss 2");
+        }
     }
-    if sampling == 0.0 {
-        say(ss, "rough surfaces reflect like mirrors there", "-ss 2");
-    } else if sampling <= UNWEIGHTED {
-        say(ss, "rough surfaces reflect too much there, 3 % at a roughness of .1 and 8 % at .2", "-ss 2");
+    let (accuracy, aa) = command.option("-aa", if rpict { 0.2 } else { 0.1 });
+    if accuracy > 0.0 && command.given("-ab").is_some_and(|bounces| bounces > 0.0) {
+        say(aa, "light that bounces is interpolated there, up to 1 % off by .1", "-aa 0");
+    }
+    let (tested, dt) = command.option("-dt", if rpict { 0.05 } else { 0.03 });
+    if tested > 0.0 && lamps > 1 {
+        say(dt, "shadows of the fainter of several lamps are guessed there, which is up to .8 % of the light", "-dt 0");
     }
     found
 }
@@ -180,14 +193,19 @@ mod tests {
 
     #[test]
     fn shortcuts_of_renderings_are_read_off_their_headers() {
-        let said = |lines: &[&str], least| shortcuts(lines.iter().copied(), least);
-        assert!(said(&["rpict -st 0 -ss 8 -vf a.vf a.oct", "pfilt -x /2"], 0.0).is_empty());
-        assert!(said(&["rtrace-rs -ab 2", "SOFTWARE= RADIANCE rtrace, -st .15"], 0.0).is_empty());
-        let defaults = said(&["/usr/bin/rpict -vf a.vf a.oct", "\tpfilt -x /2"], 0.0);
-        assert!(defaults[0].starts_with("the target was rendered by rpict with -st 0.15, its default: "), "{defaults:?}");
-        assert!(defaults[1].starts_with("the target was rendered by rpict with -ss 1, its default: "), "{defaults:?}");
-        let [only] = &said(&["rtrace -st .3 -ss 0 -st .1 a.oct"], 0.2)[..] else { panic!() };
+        let said = |lines: &[&str], least, lamps| shortcuts(lines.iter().copied(), Some(least), lamps);
+        assert!(said(&["rpict -st 0 -ss 8 -vf a.vf a.oct", "pfilt -x /2"], 0.0, 1).is_empty());
+        assert!(said(&["rpict -st 0 -ss 8 -ab 1 -aa 0 -dt 0 a.oct"], 0.0, 2).is_empty());
+        assert!(said(&["rtrace-rs -ab 2", "SOFTWARE= RADIANCE rtrace, -st .15"], 0.0, 2).is_empty());
+        let defaults = said(&["/usr/bin/rpict -ab 1 -vf a.vf a.oct", "\tpfilt -x /2"], 0.0, 2);
+        assert_eq!(defaults.len(), 4);
+        for (said, option) in defaults.iter().zip(["-st 0.15", "-ss 1", "-aa 0.2", "-dt 0.05"]) {
+            assert!(said.starts_with(&format!("the target was rendered by rpict with {option}, its default: ")), "{said}");
+        }
+        let [only] = &said(&["rtrace -st .3 -ss 0 -st .1 a.oct"], 0.2, 1)[..] else { panic!() };
         assert_eq!(only, "the target was rendered by rtrace with -ss 0: rough surfaces reflect like mirrors there; render it with -ss 2");
+        // Where nothing rough is sought, nothing is said of it.
+        assert!(shortcuts(["rpict a.oct"], None, 1).is_empty());
     }
 
     #[test]
