@@ -3,6 +3,7 @@
 //! The page holds all that it shows: pictures as PNG, charts as SVG, no script, nothing to fetch.
 
 mod chart;
+mod course;
 mod text;
 mod views;
 
@@ -17,7 +18,8 @@ use crate::picture::png::Tone;
 use crate::rad::Number;
 use crate::recover::answer::six;
 use crate::recover::model::{Kind, parts};
-use chart::{Course, best, class, matrix, place};
+use chart::{class, matrix, place};
+use course::{Course, best};
 use serde::{Deserialize, Serialize};
 use text::{brief, data_uri, escape, fixed, rounded};
 
