@@ -19,8 +19,8 @@ pub struct Problems {
     pub warnings: Vec<Error>,
 }
 
-/// What the primitives show by themselves: as errors surfaces that have not the arguments of their types, as warnings names that do not mean
-/// anything, which another scene, read before, may give a meaning.
+/// What the primitives show by themselves: as errors surfaces that have not the arguments of their types, as warnings, once each, names that do not
+/// mean anything, which another scene, read before, may give a meaning.
 pub fn glance(flat: &Flat) -> Problems {
     let primitives = &flat.primitives;
     let surfaces = primitives.iter().filter(|primitive| primitive.type_of().is_some_and(|kind| kind.class == Class::Surface));
@@ -28,7 +28,8 @@ pub fn glance(flat: &Flat) -> Problems {
     let mut checker = Checker::new(primitives, Links::of(primitives));
     (0..primitives.len()).for_each(|i| checker.names(i));
     let Problems { errors: names, mut warnings } = checker.problems;
-    warnings.extend(names);
+    let mut said = HashSet::new();
+    warnings.extend(names.into_iter().filter(|name| said.insert(name.message.clone())));
     Problems { errors, warnings }
 }
 
@@ -198,6 +199,15 @@ mod tests {
         let flat = expand(vec![Document::parse(Source::new("t.rad", text)).unwrap()], &files).unwrap();
         let problems = check(&flat, &files);
         (problems.errors.iter().map(Error::to_string).collect(), problems.warnings.len())
+    }
+
+    #[test]
+    fn a_name_that_another_scene_may_define_is_asked_for_once() {
+        let text = "!genbox it box 1 1 1\nit sphere s 0 0 4 0 0 0 1\nother sphere s 0 0 4 0 0 0 1\n";
+        let flat = expand(vec![Document::parse(Source::new("t.rad", text)).unwrap()], &Files::default()).unwrap();
+        let Problems { errors, warnings } = glance(&flat);
+        let names: Vec<_> = warnings.iter().map(|warning| warning.message.split('`').nth(1)).collect();
+        assert!(errors.is_empty() && names == [Some("it"), Some("other")], "{names:?}");
     }
 
     #[test]

@@ -85,56 +85,19 @@ fn width(axis: &[f64], at: usize) -> f64 {
 impl Look<'_> {
     /// What was found, and moved `aside` since; averaged, if some of its values are in doubt.
     pub fn averaged(&self, mut found: Recovery, aside: &Way, traced: Traced) -> Recovery {
-        let Traced { sheet, model, basis } = traced;
-        let range = Range { axes: model.doubtful(&found) };
+        let range = Range { axes: traced.model.doubtful(&found) };
         if range.axes.is_empty() {
             return found;
         }
         found.values.iter_mut().zip(&aside.0).for_each(|(value, way)| *value -= way);
-        let doubtful = |parameter: usize| range.axes.iter().any(|(slot, _)| *slot == parameter);
-        let halves = traced.halves(&found.values);
-        let weights = sheet.by_variance(&halves, &sheet.variances(&halves, basis), &basis.samples);
-        let scores = |values: &[f64]| {
-            let mut here = traced.evaluation(values, self.bounds);
-            // A value that no pixel tells stays where it is.
-            for (slot, _) in &range.axes {
-                here.derivatives[*slot].iter_mut().for_each(|half| half.fill([0.0; 3]));
-            }
-            Scores::new(sheet, weights.clone(), here, self.bounds)
-        };
-        let best_with = |i: usize| {
-            let mut values = found.values.clone();
-            range.values(i).for_each(|(slot, value)| values[slot] = value);
-            let mut best = scores(&values);
-            for _ in 0..STEPS {
-                let Some(step) = best.step_within(self.bounds) else { break };
-                values.iter_mut().zip(&step).zip(self.bounds).for_each(|((v, s), b)| *v = (*v + s).clamp(b.0, b.1));
-                best = scores(&values);
-            }
-            best
-        };
-        let candidates: Vec<Scores> = (0..range.len()).into_par_iter().with_max_len(1).map(best_with).collect();
-        let smallest = |of: &dyn Fn(usize) -> f64| (0..range.len()).min_by(|&a, &b| of(a).total_cmp(&of(b))).unwrap_or(0);
-        let mut best = smallest(&|i| range.values(i).map(|(slot, value)| (value - found.values[slot]).abs()).sum());
-        let noise: Vec<f64> = candidates.iter().map(|c| c.squares(-1.0)).collect();
-        let most = NOISY * noise[best];
-        let excess = |from: usize| -> Vec<f64> {
-            let off =
-                |(other, noise): (&Scores, &f64)| if *noise > most { f64::INFINITY } else { candidates[from].excess(&other.here.halves) };
-            candidates.iter().zip(&noise).map(off).collect()
-        };
-        let mut off = excess(best);
-        let elsewhere = smallest(&|i| off[i]);
-        if off[elsewhere] < -SURE {
-            (best, off) = (elsewhere, excess(elsewhere));
-        }
-        // What lies beyond a value that is worse is no better, but less well known.
-        let farther = range.crossed(&off, best);
-        let shares: Vec<f64> = (0..range.len()).map(|i| range.size(i) * (-0.5 * farther[i].powi(2)).exp()).collect();
+        let candidates = self.candidates(&range, &found.values, traced);
+        let (best, off) = compared(&range, &candidates, &found.values);
+        let shares: Vec<f64> = (0..range.len()).map(|i| range.size(i) * (-0.5 * off[i].powi(2)).exp()).collect();
         let whole: f64 = shares.iter().sum();
         let mean = |of: &dyn Fn(usize) -> f64| shares.iter().enumerate().map(|(i, share)| share / whole * of(i)).sum::<f64>();
         let value = |i: usize, parameter: usize| candidates[i].here.values[parameter];
         let values: Vec<f64> = (0..found.values.len()).map(|p| mean(&|i| value(i, p))).collect();
+        let doubtful = |parameter: usize| range.axes.iter().any(|(slot, _)| *slot == parameter);
         let within = |p: usize, q: usize| match (doubtful(p), doubtful(q)) {
             (false, false) => candidates[best].covariance.at(p, q),
             _ if p == q => mean(&|i| range.variance(i, p, self.bounds[p])),
@@ -149,6 +112,50 @@ impl Look<'_> {
         found.values = moved.zip(self.bounds).map(|(value, (low, high))| value.clamp(*low, *high)).collect();
         found
     }
+
+    /// The best of all other values for each of those that the values in doubt may have, from `near`.
+    fn candidates<'s>(&self, range: &Range, near: &[f64], traced: Traced<'s>) -> Vec<Scores<'s>> {
+        let Traced { sheet, basis, .. } = traced;
+        let halves = traced.halves(near);
+        let weights = sheet.by_variance(&halves, &sheet.variances(&halves, basis), &basis.samples);
+        let scores = |values: &[f64]| {
+            let mut here = traced.evaluation(values, self.bounds);
+            // A value that no pixel tells stays where it is.
+            for (slot, _) in &range.axes {
+                here.derivatives[*slot].iter_mut().for_each(|half| half.fill([0.0; 3]));
+            }
+            Scores::new(sheet, weights.clone(), here, self.bounds)
+        };
+        let best_with = |i: usize| {
+            let mut values = near.to_vec();
+            range.values(i).for_each(|(slot, value)| values[slot] = value);
+            let mut best = scores(&values);
+            for _ in 0..STEPS {
+                let Some(step) = best.step_within(self.bounds) else { break };
+                values.iter_mut().zip(&step).zip(self.bounds).for_each(|((v, s), b)| *v = (*v + s).clamp(b.0, b.1));
+                best = scores(&values);
+            }
+            best
+        };
+        (0..range.len()).into_par_iter().with_max_len(1).map(best_with).collect()
+    }
+}
+
+/// The best of all candidates, which is the one beside what was found unless another is surely better, and by how many standard errors pixels are
+/// farther from each of them. What lies beyond a value that is worse is no better, but less well known.
+fn compared(range: &Range, candidates: &[Scores], found: &[f64]) -> (usize, Vec<f64>) {
+    let smallest = |of: &dyn Fn(usize) -> f64| (0..range.len()).min_by(|&a, &b| of(a).total_cmp(&of(b))).unwrap_or(0);
+    let beside = smallest(&|i| range.values(i).map(|(slot, value)| (value - found[slot]).abs()).sum());
+    let noise: Vec<f64> = candidates.iter().map(|c| c.squares(-1.0)).collect();
+    let most = NOISY * noise[beside];
+    let excess = |from: usize| -> Vec<f64> {
+        let off = |(other, noise): (&Scores, &f64)| if *noise > most { f64::INFINITY } else { candidates[from].excess(&other.here.halves) };
+        candidates.iter().zip(&noise).map(off).collect()
+    };
+    let off = excess(beside);
+    let elsewhere = smallest(&|i| off[i]);
+    let (best, off) = if off[elsewhere] < -SURE { (elsewhere, excess(elsewhere)) } else { (beside, off) };
+    (best, range.crossed(&off, best))
 }
 
 #[cfg(test)]
