@@ -156,20 +156,20 @@ impl Lamp {
     /// fraction `jitter` of its extent, and the solid angle it stands for. A surface is divided until its parts are smaller than
     /// `fraction` of their distance; 0 leaves it whole.
     pub fn parts(&self, from: Vec3, jitter: f64, fraction: f64, draw: &mut dyn FnMut() -> [f64; 2], out: &mut dyn FnMut(ToLamp)) {
-        let parts = Parts::of(&self.extent, matches!(self.form, Form::Distant(..)), from, fraction);
-        for &Part { middle, size } in parts.list() {
+        let distant = matches!(self.form, Form::Distant(..));
+        self.extent.divided(distant, from, fraction, &mut |Part { middle, size }| {
             let mut at = middle;
             if jitter > 0.0 {
                 let ([u, v], w) = (draw(), if matches!(self.extent.facing, Facing::Front(_)) { 0.5 } else { draw()[0] });
                 at = std::array::from_fn(|i| middle[i] + jitter * (1.0 - 2.0 * [u, v, w][i]) * size[i]);
             }
             // RADIANCE (srcsamp.c) draws what is undivided in only if it is jittered by more than this.
-            if self.extent.round && (parts.count > 1 || jitter > 0.7) {
+            if self.extent.round && (size != WHOLE.size || jitter > 0.7) {
                 at = self.rounded(at);
             }
             let sample = self.toward(from, at, size);
             sample.filter(|s| s.distance <= self.radius).map(|s| self.focused(s, s.distance)).into_iter().for_each(&mut *out);
-        }
+        });
     }
 
     /// A point of the box, in half edges, drawn in to where the round light is that it stands for.
@@ -303,53 +303,45 @@ struct Part {
     size: [f64; 3],
 }
 
-/// The parts that a light is divided into for a point.
-struct Parts {
-    parts: [Part; MOST_PARTS],
-    count: usize,
-}
+/// All of it.
+const WHOLE: Part = Part { middle: [0.0; 3], size: [1.0; 3] };
 
-impl Parts {
-    /// RADIANCE's division: the longer side is halved until both are shorter than `fraction` of the distance to the part's middle.
-    fn of(light: &LightShape, distant: bool, from: Vec3, fraction: f64) -> Self {
-        let whole = Part { middle: [0.0; 3], size: [1.0; 3] };
-        let mut parts = Self { parts: [whole; MOST_PARTS], count: 1 };
+impl LightShape {
+    /// Shows `out` the parts that a light is divided into for a point, by RADIANCE's rule: the longer side is halved until both are shorter than
+    /// `fraction` of the distance to the part's middle.
+    fn divided(&self, distant: bool, from: Vec3, fraction: f64, out: &mut dyn FnMut(Part)) {
         if distant || !(fraction > TINY) {
-            return parts;
+            return out(WHOLE);
         }
-        let [u, v, _] = light.half_edges;
-        let to = from - light.center;
-        match light.facing {
-            Facing::All => {}
-            Facing::Front(normal) if to.dot(normal) <= 0.0 => parts.count = 0,
-            Facing::Front(_) => {
-                parts.count = 0;
+        let [u, v, _] = self.half_edges;
+        let to = from - self.center;
+        match self.facing {
+            Facing::All => out(WHOLE),
+            Facing::Front(normal) => {
                 let far = |e: Vec3| e.length_squared() * 4.0 / (fraction * fraction);
-                parts.divide(whole, light, from, [far(u), far(v)], MOST_PARTS);
+                if to.dot(normal) > 0.0 {
+                    self.divide(WHOLE, from, [far(u), far(v)], MOST_PARTS, out);
+                }
             }
             Facing::Across(axis) => {
                 let (across, far) = (to.cross(axis).length_squared(), u.length_squared() * 4.0 / (fraction * fraction));
                 // The square of its radius.
                 let near = v.length_squared() / CYLINDER_BOX.powi(2);
-                if across <= near {
-                    parts.count = 0;
-                } else if across > 4.0 * near && to.length_squared() < far {
-                    parts.count = 0;
-                    parts.divide(whole, light, from, [far, 0.0], MOST_PARTS);
+                if across > 4.0 * near && to.length_squared() < far {
+                    self.divide(WHOLE, from, [far, 0.0], MOST_PARTS, out);
+                } else if across > near {
+                    out(WHOLE);
                 }
             }
         }
-        parts
     }
 
     /// Divides a part while it is nearer than the square roots of `far`, into at most `most`.
-    fn divide(&mut self, part: Part, light: &LightShape, from: Vec3, far: [f64; 2], most: usize) {
-        let middle = light.center + light.half_edges[0] * part.middle[0] + light.half_edges[1] * part.middle[1];
+    fn divide(&self, part: Part, from: Vec3, far: [f64; 2], most: usize, out: &mut dyn FnMut(Part)) {
+        let middle = self.center + self.half_edges[0] * part.middle[0] + self.half_edges[1] * part.middle[1];
         let distance = middle.distance_squared(from);
         if most < 2 || distance >= far[0] && distance >= far[1] {
-            self.parts[self.count] = part;
-            self.count += 1;
-            return;
+            return out(part);
         }
         let side = (far[0] <= far[1]) as usize;
         let (mut half, mut nearer) = (part, far);
@@ -358,11 +350,7 @@ impl Parts {
         for sign in [-1.0, 1.0] {
             let mut half = half;
             half.middle[side] += sign * half.size[side];
-            self.divide(half, light, from, nearer, most / 2);
+            self.divide(half, from, nearer, most / 2, out);
         }
-    }
-
-    fn list(&self) -> &[Part] {
-        &self.parts[..self.count]
     }
 }
