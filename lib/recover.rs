@@ -162,6 +162,26 @@ impl Recovery {
         self.covariance.deviations()
     }
 
+    /// One of these values with these standard errors, for tests.
+    #[cfg(test)]
+    fn plain(values: &[f64], errors: &[f64]) -> Self {
+        let covariance = Symmetric::diagonal(&errors.iter().map(|error| error * error).collect::<Vec<_>>());
+        Self {
+            values: values.to_vec(),
+            own: covariance.clone(),
+            common: covariance.scaled(&vec![0.0; values.len()]),
+            covariance,
+            misfit: 0.0,
+            blur: None,
+            chi2: 0.0,
+            pixels: 64,
+            losses: vec![],
+            strays: vec![],
+            saturated: vec![],
+            clarity: vec![1.0; values.len()],
+        }
+    }
+
     /// The part of the variance of a value that the noise of the rendering makes; all of it where nothing is known.
     fn own_part(&self, i: usize) -> f64 {
         (self.own.at(i, i) / self.covariance.at(i, i)).min(1.0)

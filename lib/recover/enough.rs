@@ -118,21 +118,8 @@ mod tests {
 
     /// A parameter, and what was found of it: this standard error, a part of it the rendering's `own`.
     fn asked(name: &str, error: f64, own: f64, clarity: f64) -> (Parameter, Recovery) {
-        let variance = |part: f64| Symmetric::diagonal(&[part * error * error]);
-        let found = Recovery {
-            values: vec![0.01],
-            covariance: variance(1.0),
-            own: variance(own),
-            common: variance(0.0),
-            misfit: 0.0,
-            blur: None,
-            chi2: 0.0,
-            pixels: 500,
-            losses: vec![],
-            strays: vec![],
-            saturated: vec![],
-            clarity: vec![clarity],
-        };
+        let own = Symmetric::diagonal(&[own * error * error]);
+        let found = Recovery { own, clarity: vec![clarity], ..Recovery::plain(&[0.01], &[error]) };
         (Parameter { name: name.into(), start: 0.5, low: 0.0, high: 1.0 }, found)
     }
 

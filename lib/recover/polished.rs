@@ -154,3 +154,29 @@ fn with_roughness(found: Recovery, slot: usize, lobe: &Recovery, excess: f64) ->
     let (values, clarity) = (inserted(&found.values, 0.0), inserted(&found.clarity, 1.0));
     Recovery { values, clarity, covariance, own, common, ..found }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::error::Source;
+    use crate::rad::Document;
+    use crate::unknown::Wishes;
+
+    #[test]
+    fn a_mirror_is_likely_where_it_is_seen_that_there_is_hardly_a_roughness() {
+        let document = Document::parse(Source::new("m.rad", "void trans m 0 0 7 .7 .7 .7 .1 .1 .4 .3")).unwrap();
+        let unknown = Unknown::new(document, &Wishes::default()).unwrap();
+        let kind = Kind::named("trans").unwrap();
+        // A specularity, a roughness, and what is let through, each with its error.
+        let likely = |spec: [f64; 2], rough: [f64; 2], trans: [f64; 2]| {
+            let all = [[0.7, 0.01], [0.7, 0.01], [0.7, 0.01], spec, rough, trans, [0.3, 0.1]];
+            let found = Recovery::plain(&all.map(|[value, _]| value), &all.map(|[_, error]| error));
+            Mirror::of(&unknown, kind, &found).map(|mirror| mirror.likely)
+        };
+        assert_eq!(likely([0.05, 0.01], [0.004, 0.003], [0.4, 0.01]), Some(true));
+        assert_eq!(likely([0.05, 0.01], [0.1, 0.003], [0.4, 0.01]), None);
+        // It may be of any roughness, and nothing specular is certain, neither mirrored nor seen through it.
+        assert_eq!(likely([0.05, 0.01], [0.004, 0.2], [0.4, 0.01]), Some(false));
+        assert_ne!(likely([0.05, 0.1], [0.004, 0.01], [0.4, 0.3]), Some(true));
+    }
+}

@@ -23,9 +23,9 @@ use std::time::Instant;
 const FIRST_PIXELS: usize = 640;
 const FIRST_SAMPLES: [u32; 2] = [16, 64];
 
-/// The part of itself that the error of a roughness may be for the nodes of a closer look to hold all that it may be; where they do not, all
-/// roughnesses are looked at once more: the most pixels, and the samples of all of them in each half, where the derivatives are
-/// mostly noise and where there is next to nothing specular.
+/// The part of itself that the error of a roughness may be for the nodes of a closer look to hold all that it may be; where they do not, all roughnesses
+/// are looked at once more: the most pixels, and the samples of all of them in each half, where the derivatives are mostly noise and where there is next
+/// to nothing specular.
 const HELD: f64 = 0.4;
 const LAST_PIXELS: usize = 2000;
 const LAST_SAMPLES: [usize; 2] = [400_000, 100_000];
@@ -122,7 +122,7 @@ pub fn recover(sought: &Sought, effort: Effort, enough: &dyn Fn(&Recovery) -> bo
         let traced = Traced { sheet: &sheet, model: &stage, basis: &basis };
         return Ok(closer.averaged(looked.found, &looked.aside, traced));
     }
-    unreachable!()
+    unreachable!("the last look ends")
 }
 
 /// About what the values are: a look at all roughnesses, by some of the pixels in this order.

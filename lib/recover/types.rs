@@ -261,7 +261,6 @@ impl Verdict {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::anneal::linear::Symmetric;
     use crate::error::Source;
     use crate::rad::Document;
     use crate::unknown::Wishes;
@@ -271,25 +270,8 @@ mod tests {
         let document = Document::parse(Source::new("m.rad", format!("void {material}"))).unwrap();
         let unknown = Unknown::new(document, &Wishes::default()).unwrap();
         let values = unknown.start();
-        let covariance = Symmetric::diagonal(&vec![1e-6; values.len()]);
         let losses = (0..64).map(|p| (p, loss * (1.0 + 0.5 * (p as f64 * 2.4 + phase).sin()))).collect();
-        Trial::new(
-            &unknown,
-            Recovery {
-                values,
-                own: covariance.clone(),
-                blur: None,
-                common: covariance.clone(),
-                covariance,
-                misfit: 0.0,
-                chi2: 0.0,
-                pixels: 64,
-                losses,
-                strays: vec![],
-                saturated: vec![],
-                clarity: vec![1.0],
-            },
-        )
+        Trial::new(&unknown, Recovery { losses, ..Recovery::plain(&values, &vec![1e-3; values.len()]) })
     }
 
     fn verdict(trials: &[Trial]) -> (String, Vec<String>, bool) {
