@@ -26,7 +26,8 @@ pub struct Rules {
     /// `-dj`: given, each light source is one sample at its centre (or one for each of its parts, see `light_division`), jittered over this
     /// fraction of its extent; otherwise it is integrated.
     pub light_jitter: Option<f64>,
-    /// `-ds`: given with `-dj`, a light source is divided until its parts are smaller than this fraction of their distance.
+    /// `-ds`: given with `-dj`, a light source is divided until its parts are smaller than this fraction of their distance, over the weight of the ray,
+    /// of which an ambient ray has next to none.
     pub light_division: f64,
     /// `-ai`, `-ae`: modifiers whose surfaces alone gather indirect light (true), or do not (false).
     pub gathering: Option<(bool, HashSet<String>)>,
