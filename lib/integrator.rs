@@ -79,6 +79,8 @@ pub struct Visit<'a> {
     pub hit: Option<&'a Hit>,
     /// How far it may go.
     pub limit: f64,
+    /// What fills it, as far as is known before what it hits is.
+    pub medium: &'a Inside,
     /// RADIANCE's weight of the ray.
     pub weight: f64,
     /// How it came to be.
@@ -281,8 +283,8 @@ impl<'a, B: Clone> Integrator<'a, B> {
 
     /// The end of a path's ray: what it hit, if anything.
     fn arrive<T: Transport<Beta = B>>(&mut self, transport: &mut T, path: &Path, mut beta: B, hit: Option<&Hit>) {
-        let Path { ray, limit, weight, kind, aim, .. } = path;
-        transport.visit(&mut beta, &Visit { ray, hit, limit: *limit, weight: *weight, kind: *kind, shadow: aim.is_some() });
+        let Path { ray, limit, medium, weight, kind, aim, .. } = path;
+        transport.visit(&mut beta, &Visit { ray, hit, limit: *limit, medium, weight: *weight, kind: *kind, shadow: aim.is_some() });
         match hit {
             Some(hit) => {
                 let clip = path.clip.map(|clip| self.clips[clip].clone());
@@ -319,9 +321,9 @@ impl<'a, B: Clone> Integrator<'a, B> {
             transport.scale(&mut beta, Rgb::splat(layer.fraction));
             weight *= layer.fraction;
         }
-        transport.meet(&beta, layer);
         let medium = layer.behind.as_ref().unwrap_or(&path.medium);
         transport.absorb(&mut beta, medium, hit.t);
+        transport.meet(&beta, layer);
         // RADIANCE's weight reckons with a strong medium only.
         let dimmed = transport.extinction(medium).min_element() * hit.t;
         if dimmed > 0.1 || dimmed > 0.0 && !self.rules.limited() {

@@ -125,6 +125,9 @@ impl Unknown {
         for tie in &wishes.tied {
             let members = tie.iter().map(|name| index(name)).collect::<Result<Vec<_>>>()?;
             let [first, rest @ ..] = &members[..] else { continue };
+            if rest.is_empty() {
+                return Err(Error::new(format!("{} is tied to nothing; name two or more, as in red=green", tie[0])));
+            }
             for &follower in rest {
                 if said[follower] && follower != *first {
                     let message = format!("{0} is tied to {1}: give the bounds of {1}", tie[1..].join(", "), tie[0]);
@@ -458,6 +461,8 @@ mod tests {
         );
         let outside = Wishes { bounds: vec!["rough=:.2:.3".parse().unwrap()], ..Wishes::default() };
         assert!(message(HORSE, &outside).starts_with("start.rad:5:"));
+        let alone = Wishes { tied: vec![words(&["red"])], ..Wishes::default() };
+        assert!(message(HORSE, &alone).contains("red is tied to nothing; name two or more, as in red=green"));
         let tied = Wishes { tied: vec![words(&["red", "blue"])], bounds: vec!["blue=.5:0:1".parse().unwrap()], ..Wishes::default() };
         assert!(message(HORSE, &tied).contains("blue is tied to red: give the bounds of red"));
         for wrong in ["rough", "rough=1:2", "rough=a:0:1", "rough=.5:1:0", "rough=2:0:1", "rough=nan:0:1", "exposure=1:0:5"] {

@@ -19,7 +19,7 @@ pub struct Node<'w> {
     pub kind: Kind,
     /// RADIANCE's weight of it.
     pub weight: f64,
-    /// What light that it finds is multiplied with.
+    /// What light that it finds is multiplied with, on the way to its end too.
     pub coefficient: Rgb,
     /// The light found at its end, times the coefficient, summed over the samples.
     light: Rgb,
@@ -318,13 +318,17 @@ impl<'w> Transport for Tree<'w> {
         if let Some(parent) = self.nodes.get_mut(parent) {
             parent.children.push(beta.node);
         }
+        let mut coefficient = beta.color;
+        if visit.hit.is_none() && visit.limit == f64::INFINITY {
+            self.colors.absorb(&mut coefficient, visit.medium, f64::INFINITY);
+        }
         let mut met = nothing(visit.ray);
         met.meet(self.world, visit.ray, visit.hit, visit.limit, true);
         self.nodes.push(Node {
             ray: *visit.ray,
             kind: visit.kind,
             weight: visit.weight,
-            coefficient: beta.color,
+            coefficient,
             light: Rgb::ZERO,
             lit: false,
             shadow: visit.shadow,
@@ -343,6 +347,7 @@ impl<'w> Transport for Tree<'w> {
             if layer.fraction > node.share {
                 node.met.see(layer);
                 node.share = layer.fraction;
+                node.coefficient = beta.color * (1.0 / layer.fraction);
             }
         }
     }
