@@ -76,7 +76,8 @@ pub fn retyped(kind: &str, document: &Document, wishes: &Wishes) -> Result<(Docu
         material: Some(material.name.clone()),
         bounds,
         fixed: names(&wishes.fixed)?,
-        tied: lists(&wishes.tied)?,
+        // What is left alone is tied no more.
+        tied: lists(&wishes.tied)?.into_iter().filter(|tie| tie.len() > 1).collect(),
         groups: lists(&wishes.groups)?,
     };
     Ok((document.retyped(&material.name, kind, &reals)?, wishes))
