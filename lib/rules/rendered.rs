@@ -50,9 +50,9 @@ impl<'a> Command<'a> {
 }
 
 /// What the last of RADIANCE's renderers in a picture's header changed of the light of a scene with so many lamps: a sentence each. Of rough reflection
-/// only where that counts, and a specularity may be as small as `least`. How much too bright: a metal ball in light from everywhere by `rpict -st 0
-/// -ab 1`, with `-ss 1` and with `-ss 8`; a floor in a room by `-aa .1 -ad 1024`, and what comes through a shade with a lamp in it beside three others
-/// by `-dt .05`, without and with that.
+/// only if something rough is sought, whose specularity may be as small as `least`. By how much, `rpict` told: of a metal ball in light from everywhere,
+/// `-st 0 -ab 1` with `-ss 1` and `-ss 8`; of a floor in a room, `-ab 2 -ad 1024` with `-aa .1` and `-aa 0`; of a shade with one lamp in it and three
+/// beside, `-dt .05` and `-dt 0`.
 pub fn shortcuts<'a>(lines: impl IntoIterator<Item = &'a str>, least: Option<f64>, lamps: usize) -> Vec<String> {
     let Some(command) = Command::last(lines, &["rpict", "rtrace"]) else { return vec![] };
     let rpict = command.program() == "rpict";
