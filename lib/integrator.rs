@@ -67,7 +67,7 @@ pub trait Transport {
     const WATCHES: bool = false;
     /// Hears of each ray of a path as it is followed.
     fn visit(&mut self, _beta: &mut Self::Beta, _visit: &Visit) {}
-    /// Hears of each layer that a ray meets.
+    /// Hears of each layer that a ray meets, and what the ray carries there.
     fn meet(&mut self, _beta: &Self::Beta, _layer: &Layer) {}
 }
 

@@ -140,16 +140,16 @@ mod tests {
             assert!(matches!(wanted(seen, 2.0 * NEAR, own, clarity, None), Some(More::Samples(times)) if times > 1.0));
         }
         // Where those pixels are seen that tell most of it, others are worth less.
-        let foreseen = |name: &str, each: f64, times: f64| {
-            let (parameter, found) = asked(name, times * effort(None).near(0, &asked(name, 0.0, 0.0, 0.0).0, 0.01), 0.2, 0.9);
+        let foreseen = |name: &str, each: f64, error: f64| {
+            let (parameter, found) = asked(name, error, 0.2, 0.9);
             effort(None).more(&[parameter], &found, [500.0, 1000.0], each, true)
         };
-        assert!(matches!(foreseen("rough", 128.0, 1.9), Some(More::Samples(_))));
-        assert!(matches!(foreseen("rough", DEEPER, 1.9), Some(More::Pixels(_))));
-        assert!(matches!(foreseen("red", 64.0, 1.9), Some(More::Pixels(_))));
+        assert!(matches!(foreseen("rough", 128.0, 1.9 * NEAREST_ROUGHNESS), Some(More::Samples(_))));
+        assert!(matches!(foreseen("rough", DEEPER, 1.9 * NEAREST_ROUGHNESS), Some(More::Pixels(_))));
+        assert!(matches!(foreseen("red", 64.0, 1.9 * NEAR), Some(More::Pixels(_))));
         // Unless it is the photograph's noise that is far too much.
-        assert!(matches!(foreseen("rough", 64.0, 5.0), Some(More::Samples(_))));
-        assert!(matches!(foreseen("rough", 128.0, 5.0), Some(More::Pixels(_))));
+        assert!(matches!(foreseen("rough", 64.0, 5.0 * NEAREST_ROUGHNESS), Some(More::Samples(_))));
+        assert!(matches!(foreseen("rough", 128.0, 5.0 * NEAREST_ROUGHNESS), Some(More::Pixels(_))));
         // Where nothing is known, much is wanted.
         assert_eq!(wanted(1000.0, f64::INFINITY, 1.0, 0.9, None), Some(More::Samples(f64::INFINITY)));
         // Who asks for less gets it tried, until hardly anything is left to gain.
