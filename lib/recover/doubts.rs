@@ -47,9 +47,9 @@ pub enum Standing {
 }
 
 /// What is not determined has a standard error of at least this part of the one that bounds alone would give it.
-const UNDETERMINED: f64 = 0.3;
+pub const UNDETERMINED: f64 = 0.3;
 /// Values that are known only together are correlated at least so much.
-const TOGETHER: f64 = 0.9;
+pub const TOGETHER: f64 = 0.9;
 /// Off by so much of its light, a picture is not explained at all.
 const ASTRAY: f64 = 0.1;
 /// And by so much, it is of something else, and tells nothing.

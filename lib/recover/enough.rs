@@ -3,6 +3,7 @@
 //! With n pixels and e samples of each, the variance of a value is about (1 + k/e) (P + R/e) / n: the noise of the photograph and that of the
 //! rendering are what the residuals are off by, and the rendering's noise in the derivative, by which they are judged, weakens that.
 
+use super::doubts::{TOGETHER, UNDETERMINED};
 use super::{Effort, Recovery};
 use crate::anneal::Parameter;
 use crate::unknown::ROUGHNESSES;
@@ -18,6 +19,9 @@ const NEAREST_ROUGHNESS: f64 = 0.0002;
 /// is asked for.
 const LEFT: f64 = 0.5;
 const ALL_LEFT: f64 = 0.8;
+
+/// Of an error that pixels have in common, the part that hardly adds to it.
+const LESS: f64 = 0.3;
 
 /// How much of a derivative must not be noise for more pixels to be worth more than more samples of those seen. It must also be more than the
 /// rendering's part o of the variance, which falls 1 − c + o times as fast with samples as with pixels. And so many samples of each in each half
@@ -82,11 +86,22 @@ impl Effort<'_> {
         )
     }
 
+    /// Of what is not determined, by itself or together with others, the standard error that hardly adds to what an error that the pixels have in common
+    /// makes; 0 of what is, and where a tolerance is asked for.
+    fn open(&self, parameters: &[Parameter], found: &Recovery) -> Vec<f64> {
+        let common = found.common.deviations();
+        let undetermined = |i: usize| common[i] * (self.rate)(i, found.values[i]) >= UNDETERMINED * parameters[i].anywhere();
+        let correlations = found.common.correlations();
+        let with = |i: usize| (0..common.len()).any(|j| undetermined(j) && (i == j || correlations.at(i, j).abs() >= TOGETHER));
+        (0..common.len()).map(|i| if self.tolerance.is_none() && with(i) { LESS * common[i] } else { 0.0 }).collect()
+    }
+
     /// What would make a recovery as good as is wished for, or as the picture allows; `None` if it is. Seen are `seen` of `all` pixels, by `each`
     /// samples in each half; those among them that tell most of a roughness, if those were `foreseen`.
     pub fn more(&self, parameters: &[Parameter], found: &Recovery, [seen, all]: [f64; 2], each: f64, foreseen: bool) -> Option<More> {
+        let open = self.open(parameters, found);
         let need = |(i, parameter): (usize, &Parameter)| {
-            let (variance, near) = (found.covariance.at(i, i), self.near(i, parameter, found.values[i]));
+            let (variance, near) = (found.covariance.at(i, i), self.near(i, parameter, found.values[i]).max(open[i]));
             let foreseen = foreseen && ROUGHNESSES.contains(&parameter.name.as_str());
             Need { variance: variance / near.powi(2), own: found.own_part(i), clarity: found.clarity[i], foreseen }
         };

@@ -30,6 +30,9 @@ const FAINT: f64 = 2.0;
 const MOVED: f64 = 2.0;
 const ALMOST: f64 = 0.003;
 
+/// The roughness of a lobe that the light changes within: along narrower ones it changes less.
+const WIDE_LOBE: f64 = 0.1;
+
 /// How much of a standard error one pixel may make: one that sees a lamp by the way would else outweigh thousands.
 const PULLS: [f64; 2] = [0.3, 0.1];
 
@@ -146,8 +149,7 @@ impl<'a> Stage<'a> {
             let parts = parts(self.kind, reals).map(|part| part[c]);
             parts.map(|part| part / parts.iter().sum::<f64>().max(f64::MIN_POSITIVE))
         };
-        let logs = |reals: &[f64]| roughness(self.kind, reals).map(f64::ln);
-        let rougher = logs(&was).iter().zip(logs(&is)).map(|(was, is)| (was - is).abs()).fold(0.0, f64::max);
+        let rougher = roughness(self.kind, &was).iter().zip(roughness(self.kind, &is)).map(|(was, is)| wider(*was, is)).fold(0.0, f64::max);
         let channel = |c: usize| {
             let (was, is) = (shares(&was, c), shares(&is, c));
             let differ = was.iter().zip(is).map(|(was, is)| (was - is).abs()).fold(0.0, f64::max);
@@ -171,6 +173,11 @@ impl<'a> Stage<'a> {
         let [u, v] = slots(self.kind, self.unknown);
         [u, v.filter(|_| v != u)].into_iter().enumerate().filter_map(|(axis, slot)| Some((axis, slot?)))
     }
+}
+
+/// How much what is seen along lobes may change with their roughness, in terms of itself.
+fn wider(was: f64, is: f64) -> f64 {
+    (was / is).ln().abs() * (was.max(is) / WIDE_LOBE).min(1.0)
 }
 
 /// Whether there may be no specular light at all: how much there may be depends then on the roughness that is looked at.
