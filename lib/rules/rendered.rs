@@ -3,6 +3,7 @@
 use super::{FRESNEL_OFFSET, Rules, UNWEIGHTED};
 use crate::picture::command_words;
 use std::f64::consts::PI;
+use std::ops::Range;
 use std::str::FromStr;
 
 /// A command in a picture's header: the program's name without its directory, and its options.
@@ -156,16 +157,39 @@ fn no_finer(division: f64, jitter: f64) -> f64 {
 const WIDENED: f64 = 1e-4;
 const MOST_JITTER: f64 = 0.99;
 
-/// The releases of RADIANCE, from the first to before the second, whose Fresnel term is larger than that of its sources of today, and what makes it so.
-const LARGER: [[u32; 2]; 2] = [[5, 4], [6, 1]];
+/// RADIANCE's Fresnel term was larger than today's from March 2023 to the middle of June 2026, by the history of its `normal.c`, and what made it so.
+const LARGER: Range<[u32; 2]> = [2023, 3]..[2026, 6];
 const LARGER_OFFSET: f64 = 0.00202943064;
+
+/// What became the releases 5.4 and 6.1 was called so before and after such a change: a date in the header tells them apart.
+const SNAPSHOTS: [&str; 2] = ["5.4a", "6.1a"];
 
 /// What the Fresnel term is lowered by in the release that a line of a header names, if that is another than today's.
 fn offset_of_release(line: &str) -> Option<f64> {
-    let release = line.strip_prefix("SOFTWARE= RADIANCE ")?.split(' ').next()?;
-    let mut numbers = release.split(|c: char| !c.is_ascii_digit()).map_while(|n| n.parse().ok());
-    let release: [u32; 2] = [numbers.next()?, numbers.next()?];
-    (LARGER[0] <= release && release < LARGER[1]).then_some(LARGER_OFFSET)
+    let mut words = line.strip_prefix("SOFTWARE= RADIANCE ")?.split_ascii_whitespace();
+    let release = words.next()?;
+    let larger = if SNAPSHOTS.contains(&release) {
+        month(words).is_some_and(|month| LARGER.contains(&month))
+    } else {
+        release == "5.4" || release.starts_with("6.0")
+    };
+    larger.then_some(LARGER_OFFSET)
+}
+
+/// The year and the month of a date: `2024-12-07`, or `Sat Dec  7 18:22:07 PST 2024`.
+fn month<'a>(words: impl Iterator<Item = &'a str>) -> Option<[u32; 2]> {
+    const MONTHS: [&str; 12] = ["Jan", "Feb", "Mar", "Apr", "May", "Jun", "Jul", "Aug", "Sep", "Oct", "Nov", "Dec"];
+    let mut month = None;
+    for word in words {
+        if let [year, month, _] = word.split('-').filter_map(|n| n.parse().ok()).collect::<Vec<_>>()[..] {
+            return Some([year, month]);
+        }
+        month = (1..).zip(MONTHS).find(|(_, name)| *name == word).map(|(n, _)| n).or(month);
+        if let (Some(month), 4, Ok(year)) = (month, word.len(), word.parse()) {
+            return Some([year, month]);
+        }
+    }
+    None
 }
 
 /// The width, height and aspect of pixels that the last rpict in the lines of a header was asked for, and by how many times `pfilt -x /N` made the
@@ -244,11 +268,26 @@ mod tests {
             let lines = ["rpict a.oct", line];
             Reckoning::of(lines.into_iter()).unwrap().taken_into(Rules { fresnel_offset, ..Rules::default() }, [true; 2]).fresnel_offset
         };
-        for release in ["5.4a lastmod", "6.0a", "6.0.2 official"] {
+        let larger = [
+            "5.4 official release",
+            "6.0a",
+            "6.0.2 official",
+            "5.4a lastmod Tue Mar  7 09:47:10 PST 2023 by x on y",
+            "6.1a 2026-05-31 LBNL (a1b2c3)",
+        ];
+        for release in larger {
             let line = format!("SOFTWARE= RADIANCE {release}");
             assert_eq!([offset(&line, FRESNEL_OFFSET), offset(&line, 0.001)], [LARGER_OFFSET, 0.001], "{release}");
         }
-        for line in ["SOFTWARE= RADIANCE 5.3", "SOFTWARE= RADIANCE 6.1a", "SOFTWARE= RADIANCE rtrace, box filter", "VIEW= -vtv"] {
+        let usual = [
+            "5.3",
+            "5.4a lastmod Mon Apr 25 09:47:10 PDT 2022 by x on y",
+            "5.4a",
+            "6.1a 2026-08-19 LBNL (a1b2c3)",
+            "6.1",
+            "rtrace, box filter",
+        ];
+        for line in usual.map(|release| format!("SOFTWARE= RADIANCE {release}")).iter().map(String::as_str).chain(["VIEW= -vtv"]) {
             assert_eq!(offset(line, FRESNEL_OFFSET), FRESNEL_OFFSET, "{line}");
         }
         assert_eq!(offset("rtrace-rs --fresnel-offset .003 a.rad", FRESNEL_OFFSET), 0.003);
