@@ -101,24 +101,41 @@ impl Polygon {
         levels.dedup();
         let mut out = Vec::new();
         for w in levels.windows(2) {
-            // Sort the edges that cross this slab; every second gap between them is inside.
-            let mut sides: Vec<[f64; 2]> = self
-                .outline
-                .iter()
-                .zip(self.outline.iter().cycle().skip(1))
+            // The edges that reach through this slab, by where they do so at its bottom and at its top.
+            let edges = self.outline.iter().zip(self.outline.iter().cycle().skip(1));
+            let mut sides: Vec<[f64; 2]> = edges
                 .filter_map(|(a, b)| {
                     let (a, b) = if a[1] <= b[1] { (a, b) } else { (b, a) };
                     let x = |y: f64| a[0] + (b[0] - a[0]) * ((y - a[1]) / (b[1] - a[1]));
                     (a[1] <= w[0] && b[1] >= w[1]).then(|| [x(w[0]), x(w[1])])
                 })
                 .collect();
-            sides.sort_by(|a, b| (a[0] + a[1]).total_cmp(&(b[0] + b[1])));
-            for pair in sides.chunks_exact(2).filter(|pair| pair[0] != pair[1]) {
-                out.push([[pair[0][0], w[0]], [pair[1][0], w[0]], [pair[1][1], w[1]], [pair[0][1], w[1]]].map(|p| self.lift(p)));
+            let between = |[low, high]: [f64; 2], t: f64| low * (1.0 - t) + high * t;
+            // Where none cross, in order; every second gap between them is inside.
+            for part in uncrossed(&mut sides).windows(2) {
+                let middle = 0.5 * (part[0] + part[1]);
+                sides.sort_by(|a, b| between(*a, middle).total_cmp(&between(*b, middle)));
+                for pair in sides.chunks_exact(2).filter(|pair| pair[0] != pair[1]) {
+                    let corner = |side: usize, end: usize| self.lift([between(pair[side], part[end]), between([w[0], w[1]], part[end])]);
+                    out.push([corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1)]);
+                }
             }
         }
         out
     }
+}
+
+/// The parts of the way from one end to the other, from 0 to 1, between which no straight sides cross that are here and there at their ends.
+fn uncrossed(sides: &mut [[f64; 2]]) -> Vec<f64> {
+    let mut ends = vec![0.0, 1.0];
+    sides.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
+    if !sides.is_sorted_by(|a, b| a[1] <= b[1]) {
+        let pairs = sides.iter().enumerate().flat_map(|(i, a)| sides[i..].iter().map(move |b| (a, b)));
+        ends.extend(pairs.filter(|(a, b)| a[0] < b[0] && a[1] > b[1]).map(|(a, b)| (b[0] - a[0]) / (b[0] - a[0] + a[1] - b[1])));
+        ends.sort_by(f64::total_cmp);
+        ends.dedup();
+    }
+    ends
 }
 
 /// The distance along the ray to the plane `normal · p = offset`; `None` when it runs along the plane (RADIANCE: |cos| ≤ 1e-6).

@@ -1,5 +1,6 @@
 use super::*;
 use crate::vector::Vec3;
+use std::f64::consts::PI;
 
 fn shape(kind: &str, reals: &[f64]) -> Shape {
     Shape::new(kind, reals, &mut Vec::new()).unwrap().unwrap()
@@ -193,6 +194,23 @@ fn samples_are_on_the_surface_and_uniform_in_area() {
             assert!((moment / rows.0 - 1.0).abs() < 0.02, "{s:?} {axis}: {moment} {}", rows.0);
         }
     }
+}
+
+#[test]
+fn where_an_outline_crosses_itself_its_loops_are_sampled() {
+    // An hourglass: a triangle of 2 by 2 on one of 10 by 10.
+    let hourglass = shape("polygon", &[1., 2., 0., -1., 2., 0., 5., -10., 0., -5., -10., 0.]);
+    let sampler = AreaSampler::new(&hourglass);
+    assert!((sampler.area() - 52.0).abs() < 1e-9, "{}", sampler.area());
+    let points = (0..400).map(|i| sampler.sample([i % 20, i / 20].map(|k| (k as f64 + 0.5) / 20.0)));
+    assert!(points.into_iter().all(|p| hourglass.intersect(&Ray::new(p + Vec3::Z, -Vec3::Z), 0.0, 2.0).is_some()));
+    // A star of five points, whose middle is outside by the even-odd rule: the area of its points alone.
+    let star: Vec<f64> = (0..5).flat_map(|k| [(0.8 * PI * k as f64).sin(), (0.8 * PI * k as f64).cos(), 0.0]).collect();
+    let points = AreaSampler::new(&shape("polygon", &star)).area();
+    // Ten triangles between the centre, a point, and an inner corner, without the five of the pentagon inside.
+    let inner = f64::cos(0.4 * PI) / f64::cos(0.2 * PI);
+    let expected = 5.0 * inner * f64::sin(0.2 * PI) - 2.5 * inner * inner * f64::sin(0.4 * PI);
+    assert!((points - expected).abs() < 1e-12, "{points} {expected}");
 }
 
 /// By brute force with rays along an axis: the first moment across the next axis, and the area, of all that is hit, projected.
