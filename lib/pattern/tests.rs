@@ -27,6 +27,7 @@ fn files() -> Files {
         ("a.hdr", picture().as_slice()),
         ("f.cal", b"two(a,b)=a+10*b; one(a)=100*a; three(a,b,c)=a+10*b+100*c;"),
         ("d1.dat", b"1\n0 4 3\n10 20 40\n"),
+        ("d3.dat", b"1\n0 4 3\n.1 .3 .2\n"),
         ("d2.dat", b"2\n0 2 3\n0 0 4\n1 2 4 8\n1 2 3 4\n5 6 7 9\n11 10 13 17\n"),
         ("xyz.hdr", b"#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 1 +X 1\n\x80\x80\x80\x80"),
     ])
@@ -163,7 +164,7 @@ fn textures_turn_but_do_not_scale() {
         let texture = Texture::compile(&primitive(text), &mut sources).unwrap().unwrap();
         (at.normal + texture.perturbation(at)).normalize()
     };
-    let expected: [(&str, [f64; 3]); 8] = [
+    let expected: [(&str, [f64; 3]); 9] = [
         ("texfunc p 4 .1 .2 0 .", [9.759001e-2, 1.951800e-1, 9.759001e-1]),
         ("texfunc p 6 .1 .2 0 . -s 2", [9.759001e-2, 1.951800e-1, 9.759001e-1]),
         ("texfunc p 8 .1 .2 0 . -s 2 -rz 90", [-1.951800e-1, 9.759001e-2, 9.759001e-1]),
@@ -172,6 +173,8 @@ fn textures_turn_but_do_not_scale() {
         ("texfunc p 6 Nx+.1 Ny Nz . -rx 30", [4.993762e-2, 0.0, 9.987523e-1]),
         ("texfunc p 6 S Ts/10 Rdot/5 . -s 2", [3.820804e-1, 1.146241e-1, 9.169929e-1]),
         ("texdata p 8 three three three d1.dat d1.dat d1.dat f.cal Px/1000", [5.771770e-1, 5.771770e-1, 5.776967e-1]),
+        // Each of its functions is given all three, however many it has parameters for.
+        ("texdata p 8 three two one d3.dat d1.dat d3.dat f.cal Px/2000", [7.379030e-1, 6.708666e-1, 7.373667e-2]),
     ];
     for (text, expected) in expected {
         near(normal(&format!("void {text} 0 0"), &at), expected, text);
