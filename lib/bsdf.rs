@@ -427,7 +427,7 @@ impl Bsdf {
     /// accepted within ten tries. Below 1, `-ss` narrows the lobe; at 0 it is a mirror.
     pub fn unweighted(&self, part: Part, spread: f64, sampler: &mut Sampler) -> Option<(Vec3, Rgb)> {
         let lobe = self.lobes[part.side()].filter(|l| l.gathers)?;
-        let (color, spread) = (lobe.color, if lobe.form == LobeForm::Power { 1.0 } else { spread });
+        let color = lobe.color;
         let tries = if spread == 0.0 { 1 } else { 10 };
         (0..tries).find_map(|_| {
             let [u, v] = if spread == 0.0 { [0.0; 2] } else { sampler.pair() };

@@ -12,7 +12,7 @@ mod types;
 pub use bytes::{decode, encode};
 pub use json::json;
 pub use lex::{is_space, real, word};
-pub use links::{Link, Links};
+pub use links::{Link, Links, WEIGHT_LIMIT};
 pub use parse::undefined;
 pub use print::{Number, Quoted};
 pub use set::set;

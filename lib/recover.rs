@@ -260,7 +260,8 @@ impl Evidence<'_> {
         pixels.sort_unstable();
         if pixels.is_empty() {
             return Err(Error::new(format!(
-                "no pixel of the picture shows `{}`, by itself, in a mirror or through panes of glass: check the view and the mask",
+                "no pixel of the picture {} `{}`, by itself, in a mirror or through panes of glass: check the view and the mask",
+                if self.world.has_field() { "shows nothing but" } else { "shows" },
                 unknown.material().name
             )));
         }

@@ -137,6 +137,10 @@ impl Unknown {
                 leader.iter_mut().filter(|l| **l == old).for_each(|l| *l = new);
             }
         }
+        if let Some(i) = (0..start.len()).find(|&i| ranges[i].is_some() && ranges[leader[i]].is_none()) {
+            let [first, follower] = [leader[i], i].map(|i| name(&material, i));
+            return Err(Error::new(format!("{follower} is tied to {first}, which has no bounds: give --param {first}=START:LOW:HIGH")));
+        }
         start = leader.iter().map(|&first| start[first]).collect();
         for name in &wishes.fixed {
             let first = leader[index(name)?];
@@ -465,6 +469,8 @@ mod tests {
         assert!(message(HORSE, &alone).contains("red is tied to nothing; name two or more, as in red=green"));
         let tied = Wishes { tied: vec![words(&["red", "blue"])], bounds: vec!["blue=.5:0:1".parse().unwrap()], ..Wishes::default() };
         assert!(message(HORSE, &tied).contains("blue is tied to red: give the bounds of red"));
+        let boundless = Wishes { tied: vec![["exposure", "red"].map(String::from).to_vec()], ..Wishes::default() };
+        assert!(message(HORSE, &boundless).contains("red is tied to exposure, which has no bounds: give --param exposure=START:LOW:HIGH"));
         for wrong in ["rough", "rough=1:2", "rough=a:0:1", "rough=.5:1:0", "rough=2:0:1", "rough=nan:0:1", "exposure=1:0:5"] {
             assert!(wrong.parse::<Bounds>().unwrap_err().message.contains("write NAME=START:LOW:HIGH"), "{wrong}");
         }

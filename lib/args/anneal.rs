@@ -343,7 +343,7 @@ impl Arguments {
     pub fn options(&self) -> Result<Options> {
         let search = &self.search;
         for (name, value) in [("--time", search.time), ("--tolerance", search.tolerance), ("--residuals", search.residuals)] {
-            if value.is_some_and(|value| !(value > 0.0 && value.is_finite())) {
+            if value.is_some_and(|value| value <= 0.0) {
                 return Err(Error::new(format!("{name} takes a number greater than 0")));
             }
         }

@@ -46,6 +46,10 @@ impl<'a> Exec<'a> {
 }
 
 impl Objective for Exec<'_> {
+    fn indifferent(&self) -> &'static str {
+        "does the command use $MATERIAL?"
+    }
+
     fn chi2(&mut self, values: &[f64], stage: usize) -> Result<f64> {
         let material = self.path("material.rad");
         let failed = |e: std::io::Error| Error::new(format!("--exec: {}", plain(&e)));

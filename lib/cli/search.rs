@@ -58,6 +58,9 @@ pub trait Objective {
     /// unbiased estimate is; not finite means that these values are impossible.
     fn chi2(&mut self, values: &[f64], stage: usize) -> Result<f64>;
 
+    /// What to ask where it says the same of all values.
+    fn indifferent(&self) -> &'static str;
+
     /// The covariance of the errors of `values` at the end, if more is known of it than what is made small shows.
     fn covariance(&self, _values: &[f64]) -> Result<Option<Symmetric>> {
         Ok(None)
@@ -304,7 +307,7 @@ impl Search {
                 log.write(&line)?;
             }
             if annealer.told() == ENOUGH && annealer.is_flat() {
-                watch.console.warn("chi-squared is the same for every candidate: does the command use $MATERIAL?");
+                watch.console.warn(&format!("chi-squared is the same for every candidate: {}", objective.indifferent()));
             }
             if let Some(time) = watch.time {
                 let (done, each) = (annealer.told() - already, begin.elapsed() / (annealer.told() - already).max(1) as u32);
@@ -317,7 +320,7 @@ impl Search {
                 saved = Instant::now();
             }
         }
-        if let Some(best) = self.kept.annealer.best() {
+        if let Some(best) = self.kept.annealer.best().filter(|_| !interrupted()) {
             self.kept.chi2 = objective.told(&best.values)?;
             self.kept.covariance = objective.covariance(&best.values)?;
         }

@@ -11,6 +11,9 @@ pub const SIGNATURE: &[u8] = b"#?RADIANCE\n";
 
 /// The longest string: a command line of a scene file.
 const LONGEST: usize = 2047;
+/// The longest text that a scene is written out to: so many bytes, or so many times the file, where a name and a number take a few bytes each.
+const MOST_TEXT: usize = 1 << 20;
+const MOST_TIMES: usize = 64;
 
 /// Bytes being read, front to back.
 pub struct Reader<'a> {
@@ -178,6 +181,9 @@ impl<'a> Reader<'a> {
                 text.push('\n');
             }
             names.push(name);
+            if text.len() > MOST_TEXT.max(MOST_TIMES * self.bytes.len()) {
+                return Err(self.error("the scene in it repeats names that are too long"));
+            }
         }
         let document = Document::parse(Source::new(format!("{} (the scene in it)", self.name), text))?;
         if document.primitives().count() != names.len() {

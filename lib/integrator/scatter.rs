@@ -141,7 +141,7 @@ impl<B: Clone> Integrator<'_, B> {
     /// The narrowing of a lobe that RADIANCE's unweighted rule samples; `None` where the lobe itself is integrated.
     fn spread(&self, part: Part, bsdf: &Bsdf) -> Option<f64> {
         if bsdf.is_unweighted(part) {
-            return Some(1.0);
+            return Some(self.rules.specular_sampling.map_or(1.0, |s| f64::from(s > 0.0)));
         }
         let s = self.rules.specular_sampling?;
         match part {

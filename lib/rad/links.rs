@@ -3,6 +3,9 @@
 use super::{Class, Primitive};
 use std::collections::HashMap;
 
+/// The most patterns, textures and mixtures that one modifier may lead through, counted as often as a ray may meet them.
+pub const WEIGHT_LIMIT: usize = 1000;
+
 /// What a name stands for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Link {
@@ -47,13 +50,15 @@ impl Links {
     }
 
     /// The chain of modifiers of a primitive, nearest first, aliases followed: an alias stands for its target, and for what
-    /// is behind it, unless it has a modifier of its own.
+    /// is behind it, unless it has a modifier of its own. What lies behind more modifiers than a renderer follows is left out.
     pub fn chain(&self, primitives: &[Primitive], primitive: usize) -> Vec<usize> {
         let (mut chain, mut at) = (Vec::new(), self.modifier[primitive]);
-        while let Link::To(mut i) = at {
+        let mut left = WEIGHT_LIMIT;
+        while let (Link::To(mut i), 1..) = (at, left) {
             // What stands behind the target: the modifier of the first alias that has its own.
             let mut behind = None;
-            while primitives[i].kind == "alias" {
+            while primitives[i].kind == "alias" && left > 0 {
+                left -= 1;
                 let Some(&(_, Link::To(target))) = self.references[i].first() else { return chain };
                 if self.modifier[i] != Link::Inherit && self.modifier[i] != self.modifier[target] {
                     behind = behind.or(Some(self.modifier[i]));
@@ -61,6 +66,7 @@ impl Links {
                 i = target;
             }
             chain.push(i);
+            left = left.saturating_sub(1);
             at = behind.unwrap_or(self.modifier[i]);
         }
         chain

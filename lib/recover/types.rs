@@ -207,10 +207,11 @@ fn vuong(a: &Trial, b: &Trial, blocks: &HashMap<usize, usize>) -> f64 {
     let ratios: Vec<(f64, f64)> = sums.values().map(|&[a, b, n]| (n, (scatter(a, n) / scatter(b, n)).ln())).collect();
     let count: f64 = ratios.iter().map(|(n, _)| n).sum();
     let mean = ratios.iter().map(|(n, r)| n * r).sum::<f64>() / count.max(1.0);
-    let error = ratios.iter().map(|(n, r)| (n * (r - mean)).powi(2)).sum::<f64>().sqrt();
     // As many blocks of one size would tell as much.
     let blocks = count * count / ratios.iter().map(|(n, _)| n * n).sum::<f64>().max(1.0);
-    normal(mean * count / error.max(f64::MIN_POSITIVE), blocks - 1.0)
+    let freedom = blocks - 1.0;
+    let squares = ratios.iter().map(|(n, r)| (n * (r - mean)).powi(2)).sum::<f64>();
+    normal(mean * count * (freedom.max(0.0) / (blocks * squares).max(f64::MIN_POSITIVE)).sqrt(), freedom)
 }
 
 /// The number of standard errors that is as rare in the normal distribution as `t` is in Student's of so many degrees of freedom: few blocks

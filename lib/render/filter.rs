@@ -31,9 +31,10 @@ impl Filter {
         }
         let larger = larger.unwrap_or(FINE);
         let count = 2 * (2.0 * radius * larger) as usize + 2 + larger.round() as usize % 2;
-        let exponent = |i: usize| ((i as f64 + 0.5 - 0.5 * count as f64) / (radius * larger)).powi(2);
+        let square = |i: usize| (i as f64 + 0.5 - 0.5 * count as f64).powi(2);
+        let width = (radius * larger).max(f64::MIN_POSITIVE);
         // The steps at the centre weigh 1, however narrow it is.
-        let weight = |i: usize| (exponent(count / 2) - exponent(i)).exp();
+        let weight = |i: usize| ((square(count / 2) - square(i)) / width / width).exp();
         let whole: f64 = (0..count).map(weight).sum();
         let mut sum = 0.0;
         let sums = (0..count).map(|i| {
@@ -136,7 +137,9 @@ mod tests {
         }
         assert_eq!(Filter::boxed(1.0).place([0.123, 0.9]), [0.123, 0.9]);
         assert_eq!(Filter::gaussian(0.0, None), Filter::boxed(1.0));
-        assert_eq!(Filter::gaussian(1e-9, None), Filter { step: 0.0625, sums: vec![0.5, 1.0] });
+        for least in [1e-9, 1e-160, f64::from_bits(1)] {
+            assert_eq!(Filter::gaussian(least, None), Filter { step: 0.0625, sums: vec![0.5, 1.0] });
+        }
         assert!((Filter::blurring(0.2).variance() - 0.2).abs() < 1e-12 && (Filter::radius(0.5) - 1.0).abs() < 0.02);
         assert!(Filter::blurring(-0.1).is_point());
     }

@@ -8,7 +8,7 @@ use crate::expand::Annotation;
 use crate::geometry::Shape;
 use crate::material::Material;
 use crate::pattern::{Mixture, Pattern, Sources, Texture};
-use crate::rad::{Class, Primitive, real, undefined};
+use crate::rad::{Class, Primitive, WEIGHT_LIMIT, real, undefined};
 use crate::resolve::Resolve;
 use crate::support::{Feature, unsupported};
 use crate::transform::Transform;
@@ -20,8 +20,6 @@ use std::sync::Arc;
 
 /// Modifiers that others name as their argument, mixtures and mirrors among them, may stand this deep within each other.
 const DEPTH_LIMIT: usize = 32;
-/// The most patterns, textures and mixtures that one modifier may lead through, counted as often as a ray may meet them.
-const WEIGHT_LIMIT: usize = 1000;
 
 /// Why something could not be resolved.
 #[derive(Clone)]

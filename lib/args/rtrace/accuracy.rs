@@ -36,7 +36,7 @@ fn samples(word: &str) -> std::result::Result<Range<u32>, String> {
 impl Accuracy {
     /// The budget these options ask for.
     pub fn budget(&self) -> Result<Budget> {
-        let positive = |name: &str, value: f64| match value > 0.0 && value.is_finite() {
+        let positive = |name: &str, value: f64| match value > 0.0 {
             true => Ok(value),
             false => Err(Error::new(format!("--{name} must be above 0, not {value}"))),
         };

@@ -71,6 +71,10 @@ impl<'p, 'a> Direct<'p, 'a> {
 }
 
 impl Objective for Direct<'_, '_> {
+    fn indifferent(&self) -> &'static str {
+        "does the picture show anything of it?"
+    }
+
     fn chi2(&mut self, values: &[f64], _: usize) -> Result<f64> {
         self.judged(values, self.loss)
     }
