@@ -4,12 +4,13 @@
 //! the pixels tell how far it can be trusted (Sun and Wu 2002, section 5; the basis makes a χ² cost microseconds).
 
 pub mod answer;
+pub mod around;
 mod average;
 mod clear;
+pub mod dead;
 pub mod doubts;
 mod drift;
 mod enough;
-pub mod exposure;
 mod fit;
 mod foresight;
 mod gram;

@@ -1,41 +1,14 @@
 //! The unknown: which numbers of which material a search may change, between which bounds, and the file with those numbers in place.
 
 mod types;
+mod wishes;
 
 pub use types::{TYPES, retyped};
+pub use wishes::{Bounds, Wishes, names};
 
 use crate::anneal::Parameter;
 use crate::error::{Error, Result};
 use crate::rad::{Class, Document, Number, Primitive};
-use serde::{Deserialize, Serialize};
-
-/// What the user said of the unknown; what was not said follows from the material's type.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Wishes {
-    /// The identifier of the unknown material; needed when the file has several.
-    pub material: Option<String>,
-    /// Start and bounds of parameters.
-    pub bounds: Vec<Bounds>,
-    /// Parameters that keep the value they start with.
-    pub fixed: Vec<String>,
-    /// Parameters that share one value, which starts as the first of them does.
-    pub tied: Vec<Vec<String>>,
-    /// Groups of parameters that move together. `rgb` is short for the three colours; those not named are one more group.
-    pub groups: Vec<Vec<String>>,
-}
-
-/// Start and bounds of one parameter: `NAME=START:LOW:HIGH`. Without a start, the one in the file.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Bounds {
-    /// `red`, `rough`, `a5`…
-    pub name: String,
-    /// Where the search starts.
-    pub start: Option<f64>,
-    /// Smallest value.
-    pub low: f64,
-    /// Largest value.
-    pub high: f64,
-}
 
 /// A material some of whose numbers are not known.
 #[derive(Clone, Debug)]
@@ -53,114 +26,34 @@ pub struct Unknown {
 /// What the picture may be brighter by than the scene is: in all, and in each channel. No numbers of the material, but as unknown.
 pub const EXPOSURES: [&str; 4] = ["exposure", "exposure-red", "exposure-green", "exposure-blue"];
 
+/// Shares of the light: none is more than all of it.
+pub const SHARES: [&str; 3] = ["spec", "trans", "tspec"];
+
 /// What shapes specular reflection.
 pub const ROUGHNESSES: [&str; 3] = ["rough", "urough", "vrough"];
 
 /// The words that stand for the three colours in a list of parameters.
 pub const COLORS: (&str, [&str; 3]) = ("rgb", ["red", "green", "blue"]);
 
-impl std::str::FromStr for Bounds {
-    type Err = Error;
-
-    fn from_str(text: &str) -> Result<Self> {
-        let wrong = |what: &str| {
-            Error::new(format!("{what}; write NAME=START:LOW:HIGH, as in rough=.1:0:.3, or rough=:0:.3 to start as the file does"))
-        };
-        let (name, numbers) = text.split_once('=').ok_or_else(|| wrong("no `=`"))?;
-        let numbers: Vec<&str> = numbers.split(':').map(str::trim).collect();
-        let [start, low, high] = numbers[..] else { return Err(wrong("not three numbers")) };
-        let number = |word: &str| crate::rad::real(word).ok_or_else(|| wrong(&format!("`{word}` is not a number")));
-        let start = if start.is_empty() { None } else { Some(number(start)?) };
-        let (low, high) = (number(low)?, number(high)?);
-        if low >= high {
-            return Err(wrong("the upper bound must be greater than the lower one"));
-        }
-        if low <= 0.0 && EXPOSURES.contains(&name.trim()) {
-            return Err(wrong("an exposure is a factor: its bounds must be greater than 0"));
-        }
-        if low < 0.0 && ROUGHNESSES.contains(&name.trim()) {
-            return Err(wrong("a roughness is not below 0"));
-        }
-        if start.is_some_and(|s| !(low..=high).contains(&s)) {
-            return Err(wrong("the start is outside the bounds"));
-        }
-        Ok(Self { name: name.trim().into(), start, low, high })
-    }
-}
-
-/// Names separated by `separator`: `red=green=blue`, `spec,rough`.
-pub fn names(text: &str, separator: char) -> Vec<String> {
-    text.split(separator).map(str::trim).filter(|name| !name.is_empty()).map(String::from).collect()
-}
-
 impl Unknown {
     /// The unknown of a scene file.
     pub fn new(document: Document, wishes: &Wishes) -> Result<Self> {
         let material = choose(&document, wishes.material.as_deref())?.clone();
         material.complete()?;
-        let mut ranges = Vec::new();
-        for index in 0..material.reals.len() {
-            ranges.push(usual(&material, index));
-        }
-        // Exposures stand behind the arguments, and stay as they are unless something else is said.
-        let mut start = [&material.reals[..], &[1.0; EXPOSURES.len()]].concat();
-        ranges.resize(start.len(), None);
-        let index = |name: &str| find(&material, name);
-        let mut said = vec![false; start.len()];
-        for bounds in &wishes.bounds {
-            let i = index(&bounds.name)?;
-            if std::mem::replace(&mut said[i], true) {
-                return Err(Error::new(format!("{}: bounds given twice", bounds.name)));
-            }
-            start[i] = bounds.start.unwrap_or(start[i]);
-            ranges[i] = Some((bounds.low, bounds.high));
-            if !(bounds.low..=bounds.high).contains(&start[i]) {
-                let message = format!("{} starts outside its bounds {}:{}", bounds.name, Number(bounds.low), Number(bounds.high));
-                let error = |text| if i < material.reals.len() { material.real_error(i, text) } else { material.error(text) };
-                return Err(error(message + "; give a start as NAME=START:LOW:HIGH"));
-            }
-        }
-        // Tied arguments follow the first of them, with all that are tied to them.
-        let mut leader: Vec<usize> = (0..start.len()).collect();
-        for tie in &wishes.tied {
-            let members = tie.iter().map(|name| index(name)).collect::<Result<Vec<_>>>()?;
-            let [first, rest @ ..] = &members[..] else { continue };
-            if rest.is_empty() {
-                return Err(Error::new(format!("{} is tied to nothing; name two or more, as in red=green", tie[0])));
-            }
-            for &follower in rest {
-                if said[follower] && follower != *first {
-                    let message = format!("{0} is tied to {1}: give the bounds of {1}", tie[1..].join(", "), tie[0]);
-                    return Err(Error::new(message));
-                }
-                let (old, new) = (leader[follower], leader[*first]);
-                leader.iter_mut().filter(|l| **l == old).for_each(|l| *l = new);
-            }
-        }
-        if let Some(i) = (0..start.len()).find(|&i| ranges[i].is_some() && ranges[leader[i]].is_none()) {
-            let [first, follower] = [leader[i], i].map(|i| name(&material, i));
-            return Err(Error::new(format!("{follower} is tied to {first}, which has no bounds: give --param {first}=START:LOW:HIGH")));
-        }
-        start = leader.iter().map(|&first| start[first]).collect();
+        let (start, mut ranges) = bounded(&material, wishes)?;
+        let leader = leaders(&material, wishes, &ranges)?;
+        let start: Vec<f64> = leader.iter().map(|&first| start[first]).collect();
         for name in &wishes.fixed {
-            let first = leader[index(name)?];
+            let first = leader[find(&material, name)?];
             ranges[first] = None;
         }
         // Lay out what is left free.
         let mut parameters = Vec::new();
         let mut slots: Vec<Option<usize>> = vec![None; start.len()];
         for (i, range) in ranges.iter().enumerate().filter(|(i, _)| leader[*i] == *i) {
-            if let &Some((low, high)) = range {
-                // What is more than usual exists, but neither less than nothing nor a share of more than all.
-                if start[i] < 0.0 && low == 0.0 || start[i] > 1.0 && high == 1.0 {
-                    let name = name(&material, i);
-                    let remedy = format!("start it there, or give --param {name}=START:LOW:HIGH");
-                    let message =
-                        format!("{name} is sought from {} to {}, and starts at {}; {remedy}", Number(low), Number(high), Number(start[i]));
-                    return Err(material.real_error(i, message));
-                }
+            if let Some(range) = range {
                 slots[i] = Some(parameters.len());
-                parameters.push(Parameter { name: name(&material, i), start: start[i], low: low.min(start[i]), high: high.max(start[i]) });
+                parameters.push(parameter(&material, i, start[i], *range)?);
             }
         }
         (0..slots.len()).for_each(|i| slots[i] = slots[leader[i]]);
@@ -316,6 +209,70 @@ fn choose<'a>(document: &'a Document, wanted: Option<&str>) -> Result<&'a Primit
     }
 }
 
+/// The bounds of an argument; `None` if it is known.
+type Bounded = Option<(f64, f64)>;
+
+/// What each argument starts with, and its bounds if it is free. Exposures stand behind the arguments, and stay as they are unless something else is said.
+fn bounded(material: &Primitive, wishes: &Wishes) -> Result<(Vec<f64>, Vec<Bounded>)> {
+    let mut start = [&material.reals[..], &[1.0; EXPOSURES.len()]].concat();
+    let mut ranges: Vec<_> = (0..material.reals.len()).map(|index| usual(material, index)).collect();
+    ranges.resize(start.len(), None);
+    let mut said = vec![false; start.len()];
+    for bounds in &wishes.bounds {
+        let i = find(material, &bounds.name)?;
+        if std::mem::replace(&mut said[i], true) {
+            return Err(Error::new(format!("{}: bounds given twice", bounds.name)));
+        }
+        start[i] = bounds.start.unwrap_or(start[i]);
+        ranges[i] = Some((bounds.low, bounds.high));
+        if !(bounds.low..=bounds.high).contains(&start[i]) {
+            let message = format!("{} starts outside its bounds {}:{}", bounds.name, Number(bounds.low), Number(bounds.high));
+            let error = |text| if i < material.reals.len() { material.real_error(i, text) } else { material.error(text) };
+            return Err(error(message + "; give a start as NAME=START:LOW:HIGH"));
+        }
+    }
+    Ok((start, ranges))
+}
+
+/// The argument that each follows, itself if it is tied to none: tied ones follow the first of them, with all that are tied to them.
+fn leaders(material: &Primitive, wishes: &Wishes, ranges: &[Bounded]) -> Result<Vec<usize>> {
+    let mut leader: Vec<usize> = (0..ranges.len()).collect();
+    for tie in &wishes.tied {
+        let members = tie.iter().map(|name| find(material, name)).collect::<Result<Vec<_>>>()?;
+        let [first, rest @ ..] = &members[..] else { continue };
+        if rest.is_empty() {
+            return Err(Error::new(format!("{} is tied to nothing; name two or more, as in red=green", tie[0])));
+        }
+        for &follower in rest {
+            let said = wishes.bounds.iter().any(|bounds| find(material, &bounds.name).is_ok_and(|i| i == follower));
+            if said && follower != *first {
+                let message = format!("{0} is tied to {1}: give the bounds of {1}", tie[1..].join(", "), tie[0]);
+                return Err(Error::new(message));
+            }
+            let (old, new) = (leader[follower], leader[*first]);
+            leader.iter_mut().filter(|l| **l == old).for_each(|l| *l = new);
+        }
+    }
+    match (0..ranges.len()).find(|&i| ranges[i].is_some() && ranges[leader[i]].is_none()) {
+        None => Ok(leader),
+        Some(i) => {
+            let [first, follower] = [leader[i], i].map(|i| name(material, i));
+            Err(Error::new(format!("{follower} is tied to {first}, which has no bounds: give --param {first}=START:LOW:HIGH")))
+        }
+    }
+}
+
+/// Argument `i` as something to search for. What is more than usual exists, but neither less than nothing nor a share of more than all.
+fn parameter(material: &Primitive, i: usize, start: f64, (low, high): (f64, f64)) -> Result<Parameter> {
+    let name = name(material, i);
+    if start < 0.0 && low == 0.0 || start > 1.0 && high == 1.0 {
+        let remedy = format!("start it there, or give --param {name}=START:LOW:HIGH");
+        let message = format!("{name} is sought from {} to {}, and starts at {}; {remedy}", Number(low), Number(high), Number(start));
+        return Err(material.real_error(i, message));
+    }
+    Ok(Parameter { name, start, low: low.min(start), high: high.max(start) })
+}
+
 /// The argument called `name`.
 fn find(material: &Primitive, name: &str) -> Result<usize> {
     let exposure = EXPOSURES.iter().position(|e| *e == name).map(|k| material.reals.len() + k);
@@ -340,7 +297,7 @@ fn name(material: &Primitive, index: usize) -> String {
 ///
 /// A colour, a share of the light and a transmissivity lie between 0 and 1 in all that exist. Roughness .4 is past what a
 /// Ward lobe describes well; the anisotropic types must not have roughness 0. Indices of refraction go up to diamond's.
-fn usual(material: &Primitive, index: usize) -> Option<(f64, f64)> {
+fn usual(material: &Primitive, index: usize) -> Bounded {
     let kind = material.kind.as_str();
     if matches!(kind, "light" | "illum" | "glow" | "spotlight" | "mist") {
         return None;

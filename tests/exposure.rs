@@ -56,6 +56,35 @@ fn another_exposure_is_said_and_a_bound_of_another_size_does_not_hide_it() {
     assert!(!out.contains("around the unknown") && !out.contains("bound"), "{out}");
 }
 
+#[test]
+fn another_white_balance_is_said_and_another_light() {
+    let out = told_of(SCENE, |pixels| pixels.iter_mut().for_each(|p| p[2] *= 1.3));
+    let said = "around the unknown red, green and blue of the picture are 1, 1 and 1.3 times as bright as the scene is, as by another white balance";
+    assert!(out.contains(said) && out.contains(" --param exposure-blue=1.3:0.13:13 finds that"), "{out}");
+    // The scene is lit by the same sky turned by 20 degrees: no factor makes up for that, and a fit of one does not hide it.
+    let turned = SCENE.replace("brightfunc wave 2 ", "brightfunc wave 4 ").replace(" . 0 0\nwave", " . -rz 20 0 0\nwave");
+    for options in ["", "--param exposure=1:.1:10 --fix spec"] {
+        let out = told_in(&turned, options);
+        assert!(out.contains("around the unknown the picture is not as the scene is there, neighbours together by "), "{out}");
+        assert!(!out.contains("another exposure"), "{out}");
+    }
+}
+
+#[test]
+fn black_pixels_where_there_is_light_are_left_out_and_named() {
+    // Every eleventh pixel is dead.
+    let out = told_of(SCENE, |pixels| pixels.iter_mut().step_by(11).for_each(|p| *p = [0.0; 3]));
+    assert!(out.contains(" are black where there is light, as a camera's dead ones are"), "{out}");
+    found(&out, &[("red", 0.6), ("green", 0.4), ("blue", 0.2), ("spec", 0.1), ("rough", 0.15)], 0.01);
+}
+
+/// What is said of a picture of a plastic in `SCENE` as one in `scene`.
+fn told_in(scene: &str, options: &str) -> String {
+    let directory = photographed("plastic it 0 0 5 .6 .4 .2 .1 .15", SCENE, "-x 40 -y 40 --spp 300 --seed 5 -ab 1 -o target.exr");
+    fs::write(directory.path().join("scene.rad"), scene).unwrap();
+    recovered(directory.path(), &format!("-ab 1 --scene scene.rad --target target.exr {options} start.rad"))
+}
+
 /// What is said of a picture of a plastic in `scene`, changed so.
 fn told_of(scene: &str, change: impl Fn(&mut [[f32; 3]])) -> String {
     let directory = photographed("plastic it 0 0 5 .6 .4 .2 .1 .15", scene, "-x 40 -y 40 --spp 300 --seed 5 -ab 1 -o target.exr");

@@ -14,14 +14,14 @@ use crate::expand::{Flat, expand};
 use crate::metric::{self, Named};
 use crate::picture::{Header, Picture, shrunk};
 use crate::rad::{Class, Document, Number, Primitive};
-use crate::recover::exposure::exposed;
-use crate::recover::{Evidence, Recovery, otherwise, saturated};
+use crate::recover::around::otherwise_around;
+use crate::recover::{Evidence, Recovery, dead, otherwise, saturated};
 use crate::render::{Film, Filter};
 use crate::report::{Setting, Views};
 use crate::rules::Rules;
 use crate::rules::rendered::Reckoning;
 use crate::scene::{MaterialId, Reading, Scene};
-use crate::unknown::Unknown;
+use crate::unknown::{EXPOSURES, Unknown};
 use crate::view::View;
 use crate::world::World;
 use std::collections::HashSet;
@@ -193,11 +193,29 @@ impl<'a> Photo<'a> {
         Ok(Views { rendering, counts, lamp: setting.under_a_lamp(&reals)?, there, target })
     }
 
-    /// What is to be said if the picture is of another exposure, where the unknown is what was found: it may light what is around it.
-    pub fn exposed(&self, found: &Recovery) -> Result<Option<String>> {
-        let by = |world: &World| exposed(&self.evidence(), world, &self.unknown, self.material, self.seed);
+    /// What is to be said if the picture is otherwise around the unknown than the scene, where that is what was found: it may light what is there.
+    pub fn otherwise_around(&self, found: &Recovery) -> Result<Option<String>> {
+        let sought = self.unknown.parameters().iter().any(|p| EXPOSURES.contains(&&p.name[..]));
+        let exposures = sought.then(|| self.unknown.exposures(&found.values));
+        let by = |world: &World| otherwise_around(&self.evidence(), world, exposures, self.material, self.seed);
         // Mostly nothing is to be said by what is there already.
         by(&self.world).map_or(Ok(None), |_| Ok(by(&self.setting().world(&self.unknown.reals(&found.values))?)))
+    }
+
+    /// Leaves the pixels out that are black where by what was found there is light; says how many they are.
+    pub fn leave_out_dead(&mut self, found: &Recovery) -> Result<Option<String>> {
+        let evidence = self.evidence();
+        // Mostly there are none.
+        if !(0..self.target.pixels.len()).any(|n| dead::black(&evidence, n)) {
+            return Ok(None);
+        }
+        let mut black = evidence.enough_pixels(&self.unknown, self.material)?;
+        black.retain(|&n| dead::black(&evidence, n));
+        let world = self.setting().world(&self.unknown.reals(&found.values))?;
+        let dead = dead::dead(&evidence, &world, found, black, self.seed);
+        let mask = self.mask.get_or_insert_with(|| vec![1.0; self.target.pixels.len()]);
+        dead.iter().for_each(|&n| mask[n] = 0.0);
+        Ok(dead::said(&dead, self.film.width))
     }
 
     /// What is to be said of pixels that were left out as they seem saturated, if by what was found most of them should be brighter.

@@ -2,9 +2,11 @@
 
 use super::auto::{Taken, take};
 use super::kept::Kept;
+use super::photo::Photo;
 use super::report::{self, Trail};
 use super::{Answer, Console, Outcome, Output, interrupted};
 use crate::args::anneal::Arguments;
+use crate::error::Result;
 use crate::recover::doubts::list;
 use crate::recover::{self, Effort, Evidence, Recovery, answer};
 use std::time::Instant;
@@ -24,20 +26,18 @@ pub fn recover(start: &str, target: &str, arguments: &Arguments, console: &Conso
     let (found, cut) = match found {
         Some(found) => (found, false),
         None => {
-            let otherwise = photo.otherwise()?;
-            let evidence = Evidence { otherwise: otherwise.as_ref(), ..photo.evidence() };
-            let recovered = |effort: Effort| {
-                recover::recover(&evidence, unknown, photo.material(), effort, &|so_far| console.progress(|| so_far.into()))
-            };
-            let mut found = recovered(effort)?;
+            let mut found = recovered(&photo, effort, console)?;
             let saturated = photo.saturated(&found)?;
             // A flat surface that all is seen of tells more.
-            if saturated.is_none() && !found.saturated.is_empty() && !effort.late() {
-                found = recovered(Effort { around: Some(&found.values), wary: false, ..effort })?;
+            let wary = saturated.is_some() || found.saturated.is_empty();
+            let dead = photo.leave_out_dead(&found)?;
+            if (dead.is_some() || !wary) && !effort.late() {
+                found = recovered(&photo, Effort { around: Some(&found.values), wary, ..effort }, console)?;
             }
             trail.hear(&found, console);
             let cut = stopped();
-            for doubt in photo.exposed(&found)?.into_iter().chain(saturated).chain(strays(&found, photo.width())) {
+            let others = saturated.into_iter().chain(dead).chain(strays(&found, photo.width()));
+            for doubt in photo.otherwise_around(&found)?.into_iter().chain(others) {
                 title.push(format!("warning: {doubt}"));
                 doubts.push(doubt);
             }
@@ -64,6 +64,13 @@ pub fn recover(start: &str, target: &str, arguments: &Arguments, console: &Conso
     let missed = asked.and_then(|(tolerance, errors)| answer::missed(unknown.parameters(), errors, tolerance));
     missed.iter().for_each(|missed| console.warn(missed));
     Ok(if missed.is_none() && !cut { Answer::Yes } else { Answer::No })
+}
+
+/// What the picture says.
+fn recovered(photo: &Photo, effort: Effort, console: &Console) -> Result<Recovery> {
+    let otherwise = photo.otherwise()?;
+    let evidence = Evidence { otherwise: otherwise.as_ref(), ..photo.evidence() };
+    recover::recover(&evidence, photo.unknown(), photo.material(), effort, &|so_far| console.progress(|| so_far.into()))
 }
 
 /// So many pixels that nothing explains may be faults of a camera; more are something else.

@@ -1,12 +1,11 @@
 //! The answer: the file with the values that were found, after what is to be said of them.
 
-use super::clear;
-use super::doubts::{Judgement, Known, Standing, at_bound, decimals, digits, judge, list, lusterless};
+use super::doubts::{Judgement, Known, Standing, at_bound, decimals, digits, judge, list, lusterless, may_exceed};
 use crate::anneal::Parameter;
 use crate::anneal::linear::Symmetric;
 use crate::error::Result;
 use crate::rad::Number;
-use crate::unknown::{COLORS, ROUGHNESSES, Unknown};
+use crate::unknown::{ROUGHNESSES, Unknown};
 
 /// Values of an unknown, and what there is to say of them.
 pub struct Answer<'a> {
@@ -31,11 +30,9 @@ impl<'a> Answer<'a> {
         for (i, (p, value)) in unknown.parameters().iter().zip(&mut rounded).enumerate() {
             if let Some((side, bound)) = at_bound(p, *value, judgement.as_ref().map(|j| j.errors[i])) {
                 *value = bound;
-                // No number of a material is less than nothing, and nothing lets more light through than there is.
-                let all = bound == 1.0 && COLORS.1.contains(&&p.name[..]) && clear::KINDS.contains(&unknown.material().kind.as_str());
                 let open = judgement.as_ref().is_some_and(|j| j.standings[i] == Standing::Open);
                 let any = (dull || open) && ROUGHNESSES.contains(&&p.name[..]);
-                if bound != 0.0 && !all && !any {
+                if may_exceed(unknown, p, bound) && !any {
                     let beyond = "if it may lie beyond, give --param";
                     doubts.push(format!("{} is at its {side} bound {}; {beyond} {0}=START:LOW:HIGH", p.name, Number(bound)));
                 }

@@ -4,12 +4,12 @@
 //! picture that does not make it much less does not determine it. Nor does one that would, if its errors were independent from pixel to
 //! pixel, but not with a small error that many pixels have in common.
 
-use super::Blur;
 use super::sheet::COMMON;
+use super::{Blur, clear};
 use crate::anneal::Parameter;
 use crate::anneal::linear::Symmetric;
 use crate::render::WIDEST;
-use crate::unknown::{COLORS, EXPOSURES, ROUGHNESSES, Unknown};
+use crate::unknown::{COLORS, EXPOSURES, ROUGHNESSES, SHARES, Unknown};
 
 /// What is known of the errors of some values.
 pub struct Known<'a> {
@@ -69,7 +69,7 @@ pub fn judge(unknown: &Unknown, values: &[f64], known: &Known) -> Judgement {
         doubts.insert(0, errors.unexplained(&standings));
     }
     if let Some(blur) = known.blur.filter(Blur::is_sure) {
-        doubts.insert(0, misjudged(&blur));
+        doubts.insert(0, misjudged(&blur, explained));
     }
     let (seen, whole) = (&known.covariance, &errors.whole);
     let plain = |i: usize| explained && standings[i] == Standing::Determined;
@@ -146,7 +146,7 @@ impl<'a> Errors<'a> {
                 standings[pivot] = Standing::Open;
                 // Where nothing explains the picture, no other light or view would; nor for what is held by a bound, which is said of it.
                 let p = &parameters[pivot];
-                let held = !is_roughness(p) && at_bound(p, values[pivot], None).is_some_and(|(_, bound)| bound != 0.0);
+                let held = !is_roughness(p) && at_bound(p, values[pivot], None).is_some_and(|(_, bound)| may_exceed(unknown, p, bound));
                 if self.known.misfit < ASTRAY && !held {
                     doubts.push(format!("{} is not determined: {}; {help}", p.name, self.why(pivot)));
                 }
@@ -188,7 +188,7 @@ impl<'a> Errors<'a> {
         let exposed = self.parameters.iter().any(|p| EXPOSURES.contains(&p.name.as_str()));
         let exposure = if exposed { "" } else { "the exposure (--param exposure=1:.5:2), " };
         format!(
-            "whole areas of the picture are {} brighter or darker than any noise explains: the light, {exposure}the shape, the type or a bound may not be those of the photograph{harm}{lost}",
+            "whole areas of the picture are {} brighter or darker than any noise explains: the light, {exposure}the view, the shape, the type or a bound may not be those of the photograph{harm}{lost}",
             match self.off() {
                 off @ ..ELSEWHERE => format!("{} %", percent(off)),
                 off @ ..10.0 => format!("{off:.1} times"),
@@ -198,11 +198,13 @@ impl<'a> Errors<'a> {
     }
 }
 
-/// That the picture is blurred otherwise than was taken for given.
-fn misjudged(blur: &Blur) -> String {
+/// That the picture is blurred otherwise than was taken for given; where it is not `explained`, what is elsewhere than it should be seems blurred too.
+fn misjudged(blur: &Blur, explained: bool) -> String {
     let (how, passes) = if blur.more > 0.0 { ("more", "rougher") } else { ("less", "smoother") };
     let radius = blur.radius().0;
-    let cause = if radius < CENTRED {
+    let cause = if !explained {
+        "as where the view, the shape or the light are not those of the photograph; if they are, --filter auto reckons with it".into()
+    } else if radius < CENTRED {
         "as samples of the pixels' centres are (-pj 0); --filter auto reckons with it".into()
     } else if radius <= WIDEST {
         format!("a filter of radius {radius:.2} makes such pixels (pfilt -r); --filter auto reckons with it")
@@ -220,6 +222,12 @@ fn is_roughness(p: &Parameter) -> bool {
 pub fn at_bound(p: &Parameter, value: f64, error: Option<f64>) -> Option<(&'static str, f64)> {
     let near = |(_, end): &(&str, f64)| (value - end).abs() <= (AT_BOUND * p.range()).min(error.unwrap_or(f64::INFINITY));
     [("lower", p.low), ("upper", p.high)].into_iter().find(near)
+}
+
+/// Whether what is at a bound may lie beyond it: no number of a material is less than nothing, no share of light more than all, nor what passes glass.
+pub fn may_exceed(unknown: &Unknown, p: &Parameter, bound: f64) -> bool {
+    let passes = clear::KINDS.contains(&unknown.material().kind.as_str()) && COLORS.1.contains(&&p.name[..]);
+    bound != 0.0 && !(bound == 1.0 && (passes || SHARES.contains(&&p.name[..])))
 }
 
 /// A value nearer to a bound than this part of the range is at it.

@@ -1,0 +1,106 @@
+//! Whether what is known of a picture, around the unknown, is as the scene has it.
+
+use super::Evidence;
+use super::doubts::list;
+use crate::color::{Rgb, bright};
+use crate::rad::Number;
+use crate::rules::Rules;
+use crate::scene::MaterialId;
+use crate::unknown::EXPOSURES;
+use crate::world::World;
+
+/// About so many pairs of neighbours are looked at, and so many that are known tell something.
+const LOOKED_AT: usize = 300;
+const FEWEST: usize = 30;
+/// By which part of itself the light of known things is off at the least for it to be said: of all alike, half of them within less than that and within
+/// this part of what they have in common; of neighbours together, beyond so many standard errors.
+const OFF: f64 = 0.05;
+const ALIKE: f64 = 0.5;
+const SURE: f64 = 4.0;
+
+/// What is to be said if things in a world that are known are not so in the picture, whose red, green and blue are brighter by `exposures` if those are
+/// known: all brighter or darker alike, as by another exposure; or otherwise, as in another light or by another view.
+pub fn otherwise_around(
+    evidence: &Evidence,
+    world: &World,
+    exposures: Option<[f64; 3]>,
+    material: MaterialId,
+    seed: u64,
+) -> Option<String> {
+    // What is seen behind the unknown is not in an illumination field.
+    if world.has_field() {
+        return None;
+    }
+    let known = |n: &usize| evidence.counts(*n) && !evidence.touches(*n, material);
+    let pairs = evidence.film.some(LOOKED_AT).filter(|n| (n + 1) % evidence.film.width != 0).map(|n| [n, n + 1]);
+    let numbers = pairs.filter(|pair| pair.iter().all(known)).collect::<Vec<_>>().concat();
+    let scene: Vec<Rgb> = evidence.rendered(world, &numbers, seed).pixels.iter().map(|pixel| pixel.mean()).collect();
+    let by = exposures.unwrap_or([1.0; 3]);
+    let picture: Vec<Rgb> =
+        numbers.iter().map(|&n| std::array::from_fn(|c| f64::from(evidence.target.pixels[n][c]) / by[c]).into()).collect();
+    if numbers.len() < 2 * FEWEST {
+        return None;
+    }
+    let said = match common([0, 1, 2].map(|c| factor(&picture, &scene, |light| light[c]))).filter(|_| exposures.is_none()) {
+        Some(factors) => exposed(factors, factor(&picture, &scene, bright)),
+        None => displaced(&picture, &scene)?,
+    };
+    let bounces = evidence.rules.ambient_bounces;
+    let cut = bounces != Rules::default().ambient_bounces;
+    Some(if cut { format!("{said}; or it holds light of more bounces than -ab {bounces}, as a photograph does") } else { said })
+}
+
+/// By how much light of the picture is brighter than that of the scene, if it is so all alike.
+fn factor(picture: &[Rgb], scene: &[Rgb], of: impl Fn(Rgb) -> f64) -> Option<f64> {
+    let ratios = picture.iter().zip(scene).map(|(picture, scene)| of(*picture) / of(*scene));
+    let mut ratios: Vec<f64> = ratios.filter(|ratio| ratio.is_finite()).collect();
+    if ratios.len() < FEWEST {
+        return None;
+    }
+    ratios.sort_by(f64::total_cmp);
+    let [low, middle, high] = [1, 2, 3].map(|part| ratios[part * (ratios.len() - 1) / 4]);
+    (middle > 0.0 && high - low < (ALIKE * middle).min((middle - 1.0).abs().max(OFF))).then_some(middle)
+}
+
+/// The factors of all channels, if each has one and one of them at the least is not 1.
+fn common([red, green, blue]: [Option<f64>; 3]) -> Option<[f64; 3]> {
+    Some([red?, green?, blue?]).filter(|factors| factors.iter().any(|factor| (factor - 1.0).abs() > OFF))
+}
+
+/// That all is brighter or darker by these factors, as by another exposure, or by another white balance if they differ; `all` is that of all light.
+fn exposed(factors: [f64; 3], all: Option<f64>) -> String {
+    let two = |factor: f64| Number(format!("{factor:.1e}").parse().unwrap_or(factor));
+    let param = |(name, factor): (&str, f64)| format!("--param {name}={}:{}:{}", two(factor), two(0.1 * factor), two(10.0 * factor));
+    let remedy = "finds that, with something of the material known";
+    let differ = factors.iter().fold(0.0, |most: f64, a| factors.iter().fold(most, |most, b| most.max(a / b - 1.0))) > OFF;
+    match all.filter(|_| !differ) {
+        Some(all) => format!(
+            "around the unknown the picture is {} times as bright as the scene is, as by another exposure: {} {remedy}",
+            two(all),
+            param((EXPOSURES[0], all))
+        ),
+        None => format!(
+            "around the unknown red, green and blue of the picture are {} times as bright as the scene is, as by another white balance: {} {remedy}",
+            list(&factors.map(|factor| two(factor).to_string())),
+            [0, 1, 2].map(|c| param((EXPOSURES[1 + c], factors[c]))).join(" ")
+        ),
+    }
+}
+
+/// That neighbours are off together, which no noise of a pixel makes, in any other way.
+fn displaced(picture: &[Rgb], scene: &[Rgb]) -> Option<String> {
+    let pairs = picture.as_chunks::<2>().0.iter().zip(scene.as_chunks::<2>().0);
+    let products = pairs.filter_map(|(picture, scene)| {
+        let ([a, b], [c, d]) = (picture.map(bright), scene.map(bright));
+        (c + d > 0.0).then(|| 4.0 * (a - c) * (b - d) / (c + d).powi(2))
+    });
+    let products: Vec<f64> = products.collect();
+    let mean = products.iter().sum::<f64>() / products.len() as f64;
+    let error = products.iter().map(|product| (product - mean).powi(2)).sum::<f64>().sqrt() / products.len() as f64;
+    (mean > OFF * OFF && mean > SURE * error).then(|| {
+        format!(
+            "around the unknown the picture is not as the scene is there, neighbours together by {:.0} %: the light, the view or what is there may not be those of the photograph",
+            100.0 * mean.sqrt()
+        )
+    })
+}
