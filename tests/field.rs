@@ -46,7 +46,9 @@ fn written(scene: &str, arguments: &[&str], rays: &str) -> String {
 /// The radiances of rays in a scene.
 fn radiances(scene: &str, arguments: &[&str], rays: &str) -> Vec<[f64; 3]> {
     let numbers = |line: &str| line.split_whitespace().map(|v| v.parse().unwrap()).collect::<Vec<f64>>().try_into().unwrap();
-    written(scene, arguments, rays).lines().map(numbers).collect()
+    let radiances: Vec<_> = written(scene, arguments, rays).lines().map(numbers).collect();
+    assert_eq!(radiances.len(), rays.lines().count());
+    radiances
 }
 
 /// What refuses a scene.

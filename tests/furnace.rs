@@ -24,7 +24,9 @@ fn answers(scene: &str, args: &[&str], rays: &str) -> Vec<Vec<f64>> {
     let output = child.wait_with_output().unwrap();
     assert!(output.status.success());
     let text = String::from_utf8(output.stdout).unwrap();
-    text.lines().map(|line| line.split_whitespace().map(|v| v.parse().unwrap()).collect()).collect()
+    let answers: Vec<Vec<f64>> = text.lines().map(|line| line.split_whitespace().map(|v| v.parse().unwrap()).collect()).collect();
+    assert!(answers.len() == rays.lines().count() && answers.iter().all(|answer| answer.len() == 3), "{text}");
+    answers
 }
 
 /// The ray to (x, y, 0) that comes in at `degrees` from the z axis.

@@ -68,9 +68,9 @@ fn a_picture_under_an_open_sky_is_what_single_rays_see_with_less_noise() {
         let mean = |of: &[[f64; 3]], c: usize| of.iter().map(|p| p[c]).sum::<f64>();
         let biases: Vec<f64> = (0..3).map(|c| mean(&picture, c) / mean(&truth, c) - 1.0).collect();
         let noises = both(directory.path(), "64", 2).map(|seen| apart(&seen, &truth));
-        eprintln!("{:.4} apart, {biases:.5?} on the average; with few samples {noises:.3?}", off);
-        assert!(off < 0.006 && biases.iter().all(|b| b.abs() < 1e-3));
+        // Measured: .0032 apart; 2e-4 on the average; with few samples .056 and .078, in the field .049 and .073.
+        assert!(off < 0.006 && biases.iter().all(|b| b.abs() < 1e-3), "{off:.4} apart, {biases:.5?} on the average");
         // What is left is the noise of what is hidden, of lobes, and of light that comes from other things.
-        assert!(noises[0] < 0.8 * noises[1]);
+        assert!(noises[0] < 0.8 * noises[1], "{noises:.3?}");
     }
 }

@@ -271,7 +271,7 @@ fn answers_do_not_depend_on_threads_and_meet_the_error_asked_for() {
 
 #[test]
 fn a_glow_without_a_radius_is_not_seen_where_light_sources_are_not() {
-    // What rtrace of RADIANCE 6.1 says of a ball and of a distant source, for glows of several radii.
+    // What `rtrace -ab 0 -dv-` of RADIANCE 6.0a says of a ball and of a distant source, for glows of several radii.
     for (radius, wanted) in [("-1", [0.0, 0.0]), ("0", [1.0, 1.0]), (".5", [1.0, 1.0]), ("5", [0.0, 1.0])] {
         for (surface, wanted) in ["sphere s 0 0 4 0 0 0 1", "source s 0 0 4 0 1 0 30"].into_iter().zip(wanted) {
             let said = records(&format!("void glow g 0 0 4 1 1 1 {radius}\ng {surface}\n"), "-h -ab 0 -dv-", "0 -5 0 0 1 0\n");
