@@ -3,6 +3,7 @@
 //! The default is the converged picture: everything an option would cut or approximate is left whole. An option that
 //! is given means what it means in RADIANCE.
 
+pub mod defaults;
 pub mod rendered;
 
 use crate::color::Rgb;

@@ -33,6 +33,12 @@ pub const LANES: usize = 8;
 /// Numbers at 8·`L` nodes.
 type Nodes<const L: usize> = [f32x8; L];
 
+/// Numbers in lanes, the last of them filled up with zeros.
+fn lanes(numbers: &[f64]) -> Vec<f32x8> {
+    let lane = |chunk: &[f64]| f32x8::from(std::array::from_fn(|i| chunk.get(i).map_or(0.0, |&number| number as f32)));
+    numbers.chunks(LANES).map(lane).collect()
+}
+
 /// What is unknown, and how it is explored.
 #[derive(Clone, Copy)]
 pub enum Explored<'a> {

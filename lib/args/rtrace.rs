@@ -18,6 +18,7 @@ use crate::error::{Error, Result};
 use crate::picture::PRIMARIES;
 use crate::rays::Space;
 use crate::render::Filter;
+use crate::rules::defaults::SIZE;
 use crate::rules::{FRESNEL_OFFSET, Field, Rules, Ward};
 use clap::ArgAction;
 use std::collections::HashSet;
@@ -172,7 +173,7 @@ impl PictureOptions {
 
     /// The largest width and height of a picture, pixels.
     pub fn size(&self) -> (usize, usize) {
-        (self.x.unwrap_or(512), self.y.unwrap_or(512))
+        (self.x.unwrap_or(SIZE), self.y.unwrap_or(SIZE))
     }
 
     /// How many rays make a line, and how many lines are answered; 0 for any number.

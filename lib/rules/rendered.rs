@@ -1,5 +1,6 @@
 //! How a picture was rendered, by its header, and what that means for whoever recovers a material from it.
 
+use super::defaults::{SIZE, radiances};
 use super::{FRESNEL_OFFSET, Rules, UNWEIGHTED};
 use crate::picture::command_words;
 use std::f64::consts::PI;
@@ -44,8 +45,8 @@ impl<'a> Command<'a> {
     }
 
     /// The number that an option has, and the words for it.
-    fn option(&self, name: &str, default: f64) -> (f64, String) {
-        let given = self.given(name);
+    fn option(&self, name: &str) -> (f64, String) {
+        let (given, default) = (self.given(name), radiances(name)[(self.program() == "rpict") as usize]);
         (given.unwrap_or(default), format!("{name} {}", given.map_or(format!("{default}, its default"), |value| value.to_string())))
     }
 }
@@ -56,13 +57,12 @@ impl<'a> Command<'a> {
 /// beside, `-dt .05` and `-dt 0`.
 pub fn shortcuts<'a>(lines: impl IntoIterator<Item = &'a str>, least: Option<f64>, lamps: usize) -> Vec<String> {
     let Some(command) = Command::last(lines, &["rpict", "rtrace"]) else { return vec![] };
-    let rpict = command.program() == "rpict";
     let mut found = Vec::new();
     let mut say = |option: String, harm: &str, remedy: &str| {
         found.push(format!("the target was rendered by {} with {option}: {harm}; render it with {remedy}", command.program()));
     };
     if let Some(least) = least {
-        let ((threshold, st), (sampling, ss)) = (command.option("-st", 0.15), command.option("-ss", 1.0));
+        let ((threshold, st), (sampling, ss)) = (command.option("-st"), command.option("-ss"));
         if threshold > least {
             say(st, "a specularity up to that mirrors nothing but lamps there, and comes out too small", "-st 0");
         }
@@ -72,11 +72,11 @@ pub fn shortcuts<'a>(lines: impl IntoIterator<Item = &'a str>, least: Option<f64
             say(ss, "rough surfaces reflect too much there, 3 % at a roughness of .1 and 8 % at .2", "-ss 2");
         }
     }
-    let (accuracy, aa) = command.option("-aa", if rpict { 0.2 } else { 0.1 });
+    let (accuracy, aa) = command.option("-aa");
     if accuracy > 0.0 && command.given("-ab").is_some_and(|bounces| bounces > 0.0) {
         say(aa, "light that bounces is interpolated there, up to 1 % off by .1", "-aa 0");
     }
-    let (tested, dt) = command.option("-dt", if rpict { 0.05 } else { 0.03 });
+    let (tested, dt) = command.option("-dt");
     if tested > 0.0 && lamps > 1 {
         say(dt, "shadows of the fainter of several lamps are guessed there, which is up to .8 % of the light", "-dt 0");
     }
@@ -101,9 +101,11 @@ impl Reckoning {
         let command = Command::last(lines.clone(), &["rpict", "rtrace", "rtrace-rs"])?;
         let default = Rules::default();
         let (jitter, division, bounces) = match command.program() {
-            "rpict" => (Some(0.0), 0.25, 0),
-            "rtrace" => (Some(0.0), 0.2, 0),
-            _ => (None, default.light_division, default.ambient_bounces),
+            "rtrace-rs" => (None, default.light_division, default.ambient_bounces),
+            program => {
+                let [jitter, division, bounces] = ["-dj", "-ds", "-ab"].map(|name| radiances(name)[(program == "rpict") as usize]);
+                (Some(jitter), division, bounces as u32)
+            }
         };
         let jitter = command.given("-dj").filter(|dj| (0.0..=1.0).contains(dj)).or(jitter);
         let division = command.given("-ds").filter(|ds| *ds >= 0.0).unwrap_or(division);
@@ -199,8 +201,10 @@ pub fn reduced<'a>(lines: impl IntoIterator<Item = &'a str>) -> Option<([f64; 3]
     for command in lines.into_iter().map(Command::of) {
         match command.program() {
             "rpict" => {
-                reduced =
-                    Some(([("-x", 512.0), ("-y", 512.0), ("-pa", 1.0)].map(|(name, default)| command.given(name).unwrap_or(default)), 1))
+                reduced = Some((
+                    [("-x", SIZE as f64), ("-y", SIZE as f64), ("-pa", 1.0)].map(|(name, default)| command.given(name).unwrap_or(default)),
+                    1,
+                ))
             }
             "pfilt" => {
                 reduced = reduced.map(|(size, before)| (size, usize::saturating_mul(before, command.times().unwrap_or(1))));

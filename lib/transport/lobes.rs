@@ -1,6 +1,6 @@
 //! The reflected lobes of a rough unknown: the Gaussian of each roughness that it is explored at, and of those that directions are drawn from.
 
-use super::{LANES, Nodes, decay};
+use super::{Nodes, decay, lanes};
 use crate::vector::Vec3;
 use wide::f32x8;
 
@@ -39,17 +39,17 @@ pub(super) struct Drawn<const L: usize> {
 /// Where all exponents are beyond this, the densities are nothing: one more than where [`decay`] is 0, for what `f32` rounds.
 const NOTHING: f64 = 88.0;
 
-fn lanes(roughnesses: &[Alpha]) -> Vec<Lanes> {
-    let lane = |f: &dyn Fn(&Alpha) -> f64, chunk: &[Alpha]| f32x8::from(std::array::from_fn(|i| chunk.get(i).map_or(0.0, |a| f(a) as f32)));
-    let inverses = |c: &[Alpha]| (lane(&|a| 1.0 / a[0], c), lane(&|a| 1.0 / a[1], c), lane(&|a| 1.0 / (a[0] * a[1]).sqrt(), c));
-    roughnesses.chunks(LANES).map(inverses).collect()
+fn inverses(roughnesses: &[Alpha]) -> Vec<Lanes> {
+    let of = |inverse: fn(&Alpha) -> f64| lanes(&roughnesses.iter().map(inverse).collect::<Vec<_>>());
+    let (u, v, both) = (of(|a| 1.0 / a[0]), of(|a| 1.0 / a[1]), of(|a| 1.0 / (a[0] * a[1]).sqrt()));
+    u.into_iter().zip(v).zip(both).map(|((u, v), both)| (u, v, both)).collect()
 }
 
 impl Lobes {
     pub fn new(nodes: &[Alpha], proposals: &[Alpha]) -> Self {
         let widest = |[u, v]: [f64; 2], a: &Alpha| [u.min(1.0 / a[0]), v.min(1.0 / a[1])];
         let widest = nodes.iter().chain(proposals).fold([f64::INFINITY; 2], widest);
-        Self { nodes: lanes(nodes), proposals: lanes(proposals), widest }
+        Self { nodes: inverses(nodes), proposals: inverses(proposals), widest }
     }
 
     /// The densities at a half vector of any length, with this added to the squared roughnesses of the nodes.

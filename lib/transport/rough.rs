@@ -6,7 +6,7 @@
 
 use super::lobes::{Alpha, Drawn, Gaussians, Lobes};
 use super::monomials::Monomials;
-use super::{LANES, Nodes};
+use super::{LANES, Nodes, lanes};
 use crate::bsdf::{Arriving, Bsdf, Delta, Part, Point, lobe};
 use crate::color::Rgb;
 use crate::integrator::{Scattering, Transport};
@@ -117,12 +117,6 @@ impl Rough {
             (_, true) => self.guess.map(|guess| Term { known: term.known * guess[part as usize], ..*term }),
         }
     }
-}
-
-/// Numbers in lanes, the last of them filled up with zeros.
-fn lanes(numbers: &[f64]) -> Vec<f32x8> {
-    let lane = |chunk: &[f64]| f32x8::from(std::array::from_fn(|i| chunk.get(i).map_or(0.0, |&number| number as f32)));
-    numbers.chunks(LANES).map(lane).collect()
 }
 
 /// The node nearest to the mean of all, by logarithms.

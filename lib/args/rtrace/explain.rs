@@ -4,7 +4,8 @@ use super::{Arguments, Light, Tuning};
 use crate::color::Rgb;
 use crate::error::Result;
 use crate::rays::Space;
-use crate::rules::{Rules, UNWEIGHTED};
+use crate::rules::defaults::radiances;
+use crate::rules::{FRESNEL_OFFSET, Rules, UNWEIGHTED};
 use std::fmt::Display;
 use std::fmt::Write;
 
@@ -19,10 +20,10 @@ pub fn explain(arguments: &Arguments) -> String {
         said.0.push_str("No option of RADIANCE's is given.\n");
     }
     said.0.push_str("Defaults that are not RADIANCE's, where the option is not given:\n");
-    for (given, option, radiance, here) in differing(&arguments.light) {
-        if !given {
-            let _ = writeln!(said.0, "  {option} (there {radiance}): {here}");
-        }
+    for (_, option, here) in differing(&arguments.light).into_iter().filter(|(given, ..)| !given) {
+        let [rtrace, rpict] = radiances(option);
+        let there = if rpict == rtrace { rtrace.to_string() } else { format!("{rtrace}, rpict {rpict}") };
+        let _ = writeln!(said.0, "  {option} (there {there}): {here}");
     }
     said.0
 }
@@ -106,6 +107,8 @@ impl Said {
             "nearest" => "around each point the light is that of the nearest #@probe, if the scene has any".into(),
             _ => "around each point the light is that of the two nearest #@probe, by 1/distance², if the scene has any".into(),
         });
+        let offset = Some(light.fresnel_offset).filter(|offset| *offset != FRESNEL_OFFSET);
+        self.option("--fresnel-offset", offset, |_| "the Fresnel term of polished surfaces is lowered by that".into());
         self.option("--ward", light.ward.as_ref(), |_| "the rough lobe of the 2002 paper instead of RADIANCE's present one".into());
     }
 
@@ -201,19 +204,19 @@ fn words(values: &Option<Vec<f64>>) -> Option<String> {
     values.as_ref().map(|v| v.iter().map(f64::to_string).collect::<Vec<_>>().join(" "))
 }
 
-/// Options whose defaults differ from RADIANCE's: whether it was given, its name, RADIANCE's default (`rtrace`, `rpict`), what holds here.
-fn differing(light: &Light) -> [(bool, &'static str, &'static str, String); 9] {
+/// Options whose defaults differ from RADIANCE's: whether it was given, its name, what holds here.
+fn differing(light: &Light) -> [(bool, &'static str, String); 9] {
     let Rules { light_division, mirror_levels, .. } = Rules::default();
     [
-        (light.ab.is_some(), "-ab", "0", "all diffuse bounces, ended by roulette without bias".into()),
-        (light.lr.is_some(), "-lr", "-10, rpict 7", "no limit of reflections".into()),
-        (light.lw.is_some(), "-lw", "1e-4", "no smallest weight: roulette without bias".into()),
-        (light.st.is_some(), "-st", ".15", "0: all rough reflection is followed".into()),
-        (light.ss.is_some(), "-ss", "1", "the rough lobe itself, as with a high -ss".into()),
-        (light.dj.is_some(), "-dj", "0", "lamps are integrated over all their extent".into()),
-        (light.ds.is_some() || light.dj.is_none(), "-ds", ".2, rpict .25", light_division.to_string()),
-        (light.dr.is_some(), "-dr", "2, rpict 1", mirror_levels.to_string()),
-        (light.tuning.aa.is_some(), "-aa", ".1, rpict .2", "0: indirect light is not interpolated".into()),
+        (light.ab.is_some(), "-ab", "all diffuse bounces, ended by roulette without bias".into()),
+        (light.lr.is_some(), "-lr", "no limit of reflections".into()),
+        (light.lw.is_some(), "-lw", "no smallest weight: roulette without bias".into()),
+        (light.st.is_some(), "-st", "0: all rough reflection is followed".into()),
+        (light.ss.is_some(), "-ss", "the rough lobe itself, as with a high -ss".into()),
+        (light.dj.is_some(), "-dj", "lamps are integrated over all their extent".into()),
+        (light.ds.is_some() || light.dj.is_none(), "-ds", light_division.to_string()),
+        (light.dr.is_some(), "-dr", mirror_levels.to_string()),
+        (light.tuning.aa.is_some(), "-aa", "0: indirect light is not interpolated".into()),
     ]
 }
 

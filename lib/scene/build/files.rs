@@ -5,7 +5,7 @@ use crate::error::Result;
 use crate::expand::expand;
 use crate::geometry::{LEVELS, Mesh};
 use crate::import::{self, MeshFile, MeshMaterial};
-use crate::rad::{Class, Document, Primitive};
+use crate::rad::{Document, Primitive};
 use crate::scene::{ChainId, Surface};
 use std::cell::OnceCell;
 use std::rc::Rc;
@@ -105,13 +105,9 @@ impl Builder<'_> {
     /// The surfaces among the primitives of an octree.
     fn surfaces(&mut self, primitives: &[Primitive]) -> Resolved<Vec<Surface>> {
         let mut surfaces = Vec::new();
-        for primitive in primitives {
-            let added = match (primitive.type_of().map(|t| t.class), primitive.kind.as_str()) {
-                (Some(Class::Surface), "source") => Ok(()),
-                (Some(Class::Surface), _) => self.surface(primitive).map(|surface| surfaces.extend(surface)),
-                _ => self.define(primitive).map_err(Unresolved::Wrong),
-            };
-            self.forgive(added)?;
+        // A distant source is none of what is put into a scene.
+        for primitive in primitives.iter().filter(|primitive| primitive.kind != "source") {
+            surfaces.extend(self.add(primitive)?);
         }
         Ok(surfaces)
     }
