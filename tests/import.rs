@@ -167,6 +167,19 @@ fn a_quad_is_divided_where_obj2mesh_divides_it() {
     assert!(middle(&file.mesh));
 }
 
+#[test]
+fn a_small_octree_makes_no_large_scene() {
+    // One type and one modifier with long names, and thousands of primitives of seven bytes that repeat them.
+    let long = "N".repeat(2000);
+    let mut bytes = format!("#?RADIANCE\nFORMAT=Radiance_octree\n\n\x01\x1c0\x000\x000\x001\0\0\0\0{long}\0\0").into_bytes();
+    bytes.extend([0, 0xff]);
+    bytes.extend(format!("{long}\0\0\0\0\0").bytes());
+    bytes.extend([0; 7 * 3000]);
+    bytes.push(0xff);
+    let error = octree(&bytes, "a.oct").err().unwrap().message;
+    assert!(error.contains("a.oct: the scene in it repeats names that are too long"), "{error}");
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 

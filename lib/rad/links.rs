@@ -113,6 +113,15 @@ mod tests {
     }
 
     #[test]
+    fn a_chain_ends_where_a_renderer_gives_up() {
+        let mut text = "void plastic m0 0 0 5 .5 .5 .5 0 0\n".to_string();
+        (1..2 * WEIGHT_LIMIT).for_each(|i| text += &format!("m{} brightfunc m{i} 2 .9 . 0 0\n", i - 1));
+        let primitives = primitives(&(text + "m1999 sphere s 0 0 4 0 0 0 1\nm4 sphere t 0 0 4 0 0 0 1\n"));
+        let links = Links::of(&primitives);
+        assert_eq!([2000, 2001].map(|i| links.chain(&primitives, i).len()), [WEIGHT_LIMIT, 5]);
+    }
+
+    #[test]
     fn a_name_means_the_latest_modifier_before_it() {
         let p = primitives("void plastic a 0 0 0 a sphere a 0 0 0 void metal a 0 0 0 a sphere s 0 0 0 b sphere t 0 0 0 void metal b 0 0 0");
         assert_eq!(Links::of(&p).modifier, [Link::Void, Link::To(0), Link::Void, Link::To(2), Link::Unknown, Link::Void]);

@@ -24,13 +24,12 @@ const MOST_INDEX: f64 = 10.0;
 
 /// How far the two indices that the pixels are looked at with lie to either side: where the change between them is mostly noise, or the index may lie
 /// anywhere between them, `WIDER` times as far, up to the last. (Of a bunny of index 2.4 a thirtieth is not: wherever a look began, .05 off too, it was
-/// sure to .005.) Where the index is known to less than a part of that, they lie as many times nearer, down to the last: what is seen sharply through
-/// a body changes otherwise than in proportion, and its colours came out .004 too bright (of Venus at 1.1, known to .00007).
+/// sure to .005.) Through what bends light less things are seen sharper, and change otherwise than in proportion, so they begin nearer below an index of
+/// 1.5, down to the last: of Venus at 1.1 all colours came out .004 too bright by .003, and are right by .001 and less.
 const SPREAD: f64 = 0.003;
+const NEAREST: f64 = 0.0005;
 const WIDER: f64 = 4.0;
 const WIDEST: f64 = 0.048;
-const KNOWN: f64 = 0.04;
-const NEAREST: f64 = 0.0005;
 
 /// By how many standard errors a look must find the pixels farther off than another to have gone too far.
 const SURE: f64 = 1.0;
@@ -76,7 +75,8 @@ fn looked(through: &Through, pixels: &[usize], effort: Effort, tell: &dyn Fn(&st
     };
 
     let begin = Instant::now();
-    let (mut pursuit, mut aside) = (Pursuit::default(), SPREAD);
+    let bends = (through.index(&best) - 1.0).abs() / 0.5;
+    let (mut pursuit, mut aside) = (Pursuit::default(), (SPREAD * bends).clamp(NEAREST, SPREAD));
     for look in 1.. {
         tell(&format!("look {look}"));
         let mut stage = Stage::new(through, close(through, through.index(&best), aside));
@@ -84,10 +84,6 @@ fn looked(through: &Through, pixels: &[usize], effort: Effort, tell: &dyn Fn(&st
         let closer = Look { evidence, pixels, parameters, bounds: &bounds, effort: &effort, another: &another };
         let Looked { found, held, .. } = closer.at(&mut stage, &best, &mut seeds);
         let Some(i) = slot.filter(|_| !held && found.amiss().is_none()) else { return Ok(found) };
-        if stage.is_coarse(&found) && another() {
-            (best, aside) = (found.values, aside / WIDER);
-            continue;
-        }
         let open = found.errors()[i] > aside && aside < WIDEST;
         if (open || !stage.tells(&found)) && another() {
             (best, aside) = (found.values, WIDER * aside);

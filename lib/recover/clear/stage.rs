@@ -1,7 +1,7 @@
 //! The model of a transparent unknown: the picture at a few indices of refraction, each by what it lets through.
 
+use super::WIDEST;
 use super::through::{DARKEST, Through};
-use super::{KNOWN, NEAREST, WIDEST};
 use crate::color::Rgb;
 use crate::material::hartmann;
 use crate::recover::Recovery;
@@ -56,12 +56,6 @@ impl<'a> Stage<'a> {
     pub fn columns(&self, values: &[f64]) -> [Vec<f64>; 3] {
         let a = self.through.unknown.reals(values);
         exposed(std::array::from_fn(|c| between(&self.depths, a[c].clamp(0.0, 1.0))), self.through.unknown.exposures(values))
-    }
-
-    /// Whether the index is known much better than its own are apart.
-    pub fn is_coarse(&self, found: &Recovery) -> bool {
-        let aside = 0.5 * (self.indices[self.indices.len() - 1] - self.indices[0]);
-        aside > NEAREST && self.through.slot().is_some_and(|i| found.errors()[i] < KNOWN * aside)
     }
 
     /// Whether the pixels tell its index between those of the stage, or not between farther ones either.
@@ -128,7 +122,7 @@ impl Model for Stage<'_> {
 
     fn holds(&self, found: &Recovery, _: &Basis) -> bool {
         let inside = |value: f64| value > self.indices[0] && value < self.indices[self.indices.len() - 1];
-        self.through.slot().is_none_or(|i| inside(found.values[i])) && self.tells(found) && !self.is_coarse(found)
+        self.through.slot().is_none_or(|i| inside(found.values[i])) && self.tells(found)
     }
 }
 
