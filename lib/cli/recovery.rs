@@ -30,8 +30,9 @@ pub fn recover(start: &str, target: &str, arguments: &Arguments, console: &Conso
             let saturated = photo.saturated(&found)?;
             // A flat surface that all is seen of tells more.
             let wary = saturated.is_some() || found.saturated.is_empty();
-            let dead = photo.leave_out_dead(&found)?;
-            if (dead.is_some() || !wary) && !effort.late() {
+            let late = effort.late();
+            let dead = if late { None } else { photo.leave_out_dead(&found)? };
+            if (dead.is_some() || !wary) && !late {
                 found = recovered(&photo, Effort { around: Some(&found.values), wary, ..effort }, console)?;
             }
             trail.hear(&found, console);

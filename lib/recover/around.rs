@@ -34,13 +34,13 @@ pub fn otherwise_around(
     let known = |n: &usize| evidence.counts(*n) && !evidence.touches(*n, material);
     let pairs = evidence.film.some(LOOKED_AT).filter(|n| (n + 1) % evidence.film.width != 0).map(|n| [n, n + 1]);
     let numbers = pairs.filter(|pair| pair.iter().all(known)).collect::<Vec<_>>().concat();
+    if numbers.len() < 2 * FEWEST {
+        return None;
+    }
     let scene: Vec<Rgb> = evidence.rendered(world, &numbers, seed).pixels.iter().map(|pixel| pixel.mean()).collect();
     let by = exposures.unwrap_or([1.0; 3]);
     let picture: Vec<Rgb> =
         numbers.iter().map(|&n| std::array::from_fn(|c| f64::from(evidence.target.pixels[n][c]) / by[c]).into()).collect();
-    if numbers.len() < 2 * FEWEST {
-        return None;
-    }
     let said = match common([0, 1, 2].map(|c| factor(&picture, &scene, |light| light[c]))).filter(|_| exposures.is_none()) {
         Some(factors) => exposed(factors, factor(&picture, &scene, bright)),
         None => displaced(&picture, &scene)?,

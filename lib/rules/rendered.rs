@@ -159,7 +159,7 @@ fn no_finer(division: f64, jitter: f64) -> f64 {
 const WIDENED: f64 = 1e-4;
 const MOST_JITTER: f64 = 0.99;
 
-/// RADIANCE's Fresnel term was larger than today's from March 2023 to the middle of June 2026, by the history of its `normal.c`, and what made it so.
+/// RADIANCE's Fresnel term was larger than today's from March 2023 to June 2026, by the history of its `normal.c`, and what made it so.
 const LARGER: Range<[u32; 2]> = [2023, 3]..[2026, 6];
 const LARGER_OFFSET: f64 = 0.00202943064;
 
