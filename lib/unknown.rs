@@ -110,9 +110,14 @@ impl Unknown {
         channels.map(|channel| all * channel)
     }
 
+    /// Whether an exposure is unknown.
+    pub fn seeks_exposure(&self) -> bool {
+        self.slots[self.material.reals.len()..].iter().any(Option::is_some)
+    }
+
     /// Errors if an exposure is unknown, which the file does not tell.
     pub fn told_by_file(&self) -> Result<()> {
-        if self.slots[self.material.reals.len()..].iter().all(Option::is_none) {
+        if !self.seeks_exposure() {
             return Ok(());
         }
         let message =

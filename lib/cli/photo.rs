@@ -21,7 +21,7 @@ use crate::report::{Setting, Views};
 use crate::rules::Rules;
 use crate::rules::rendered::Reckoning;
 use crate::scene::{MaterialId, Reading, Scene};
-use crate::unknown::{EXPOSURES, Unknown};
+use crate::unknown::Unknown;
 use crate::view::View;
 use crate::world::World;
 use std::collections::HashSet;
@@ -195,8 +195,7 @@ impl<'a> Photo<'a> {
 
     /// What is to be said if the picture is otherwise around the unknown than the scene, where that is what was found: it may light what is there.
     pub fn otherwise_around(&self, found: &Recovery) -> Result<Option<String>> {
-        let sought = self.unknown.parameters().iter().any(|p| EXPOSURES.contains(&&p.name[..]));
-        let exposures = sought.then(|| self.unknown.exposures(&found.values));
+        let exposures = self.unknown.seeks_exposure().then(|| self.unknown.exposures(&found.values));
         let by = |world: &World| otherwise_around(&self.evidence(), world, exposures, self.material, self.seed);
         // Mostly nothing is to be said by what is there already.
         by(&self.world).map_or(Ok(None), |_| Ok(by(&self.setting().world(&self.unknown.reals(&found.values))?)))
@@ -211,10 +210,15 @@ impl<'a> Photo<'a> {
         }
         let mut black = evidence.enough_pixels(&self.unknown, self.material)?;
         black.retain(|&n| dead::black(&evidence, n));
+        // Or they are of what is behind it.
+        if black.is_empty() {
+            return Ok(None);
+        }
         let world = self.setting().world(&self.unknown.reals(&found.values))?;
         let dead = dead::dead(&evidence, &world, found, black, self.seed);
-        let mask = self.mask.get_or_insert_with(|| vec![1.0; self.target.pixels.len()]);
-        dead.iter().for_each(|&n| mask[n] = 0.0);
+        for &n in &dead {
+            self.mask.get_or_insert_with(|| vec![1.0; self.target.pixels.len()])[n] = 0.0;
+        }
         Ok(dead::said(&dead, self.film.width))
     }
 

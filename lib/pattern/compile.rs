@@ -124,7 +124,7 @@ impl<'a> Words<'a, '_> {
                 (constant.map_or_else(|| Kind::Three(program), |values| Kind::Constant(Vec3::from_array(values))), 4)
             }
             "colorpict" => {
-                let apply = self.three_functions(4, false)?;
+                let apply = self.three_functions(4)?;
                 let (raster, mapping) = self.picture(3)?;
                 (Kind::Picture(raster, mapping, apply), 7)
             }
@@ -135,8 +135,7 @@ impl<'a> Words<'a, '_> {
             }
             "brightdata" => self.one_table(0)?,
             "mixdata" => self.one_table(2)?,
-            "colordata" => self.three_tables(false)?,
-            _ => self.three_tables(true)?,
+            _ => self.three_tables()?,
         })
     }
 
@@ -152,8 +151,8 @@ impl<'a> Words<'a, '_> {
         Ok((Kind::OneTable(table, coordinates, apply), end))
     }
 
-    fn three_tables(&mut self, all: bool) -> Result<(Kind, usize)> {
-        let apply = self.three_functions(6, all)?;
+    fn three_tables(&mut self) -> Result<(Kind, usize)> {
+        let apply = self.three_functions(6)?;
         let tables = [self.table(3)?, self.table(4)?, self.table(5)?];
         let end = 7 + tables.iter().map(|table| table.dimensions()).max().unwrap_or(0);
         let coordinates = self.expressions(7..end, 6)?;
@@ -181,15 +180,16 @@ impl<'a> Words<'a, '_> {
         self.sources.library.compile(file, &written, &self.primitive.reals)
     }
 
-    /// What the functions in the first three strings make of three values: the first takes all three, the others too if `all` do, or if they have as
-    /// many parameters; else their own.
-    fn three_functions(&mut self, file: usize, all: bool) -> Result<Apply> {
+    /// What the functions in the first three strings make of three values: the first takes all three, the others too if they have as many parameters, or
+    /// are of a texture; else their own.
+    fn three_functions(&mut self, file: usize) -> Result<Apply> {
         let file = self.file(file)?;
         let names = [self.string(0)?, self.string(1)?, self.string(2)?];
         let spans = [0, 1, 2].map(|i| self.span(i));
+        let texture = self.primitive.kind == "texdata";
         let library = &mut self.sources.library;
         let lists: [&[usize]; 3] = std::array::from_fn(|i| match (i, library.parameters(names[i], file)) {
-            (1.., Some(..=2)) if !all => std::slice::from_ref(&[0, 1, 2][i]),
+            (1.., Some(..=2)) if !texture => std::slice::from_ref(&[0, 1, 2][i]),
             _ => &[0, 1, 2],
         });
         let functions: [(Written, &[usize]); 3] = std::array::from_fn(|i| ((names[i], spans[i].as_ref()), lists[i]));

@@ -55,6 +55,7 @@ impl Links {
         let (mut chain, mut at) = (Vec::new(), self.modifier[primitive]);
         let mut left = WEIGHT_LIMIT;
         while let (Link::To(mut i), 1..) = (at, left) {
+            left -= 1;
             // What stands behind the target: the modifier of the first alias that has its own.
             let mut behind = None;
             while primitives[i].kind == "alias" && left > 0 {
@@ -66,7 +67,6 @@ impl Links {
                 i = target;
             }
             chain.push(i);
-            left = left.saturating_sub(1);
             at = behind.unwrap_or(self.modifier[i]);
         }
         chain

@@ -72,7 +72,8 @@ fn exposed(factors: [f64; 3], all: Option<f64>) -> String {
     let two = |factor: f64| Number(format!("{factor:.1e}").parse().unwrap_or(factor));
     let param = |(name, factor): (&str, f64)| format!("--param {name}={}:{}:{}", two(factor), two(0.1 * factor), two(10.0 * factor));
     let remedy = "finds that, with something of the material known";
-    let differ = factors.iter().fold(0.0, |most: f64, a| factors.iter().fold(most, |most, b| most.max(a / b - 1.0))) > OFF;
+    let (least, most) = (factors.into_iter().fold(f64::INFINITY, f64::min), factors.into_iter().fold(0.0, f64::max));
+    let differ = most / least - 1.0 > OFF;
     match all.filter(|_| !differ) {
         Some(all) => format!(
             "around the unknown the picture is {} times as bright as the scene is, as by another exposure: {} {remedy}",

@@ -44,9 +44,14 @@ impl<'a> Command<'a> {
         self.word(name)?.parse().ok()
     }
 
+    /// What one of RADIANCE's programs takes for an option that is not given.
+    fn default(&self, name: &str) -> f64 {
+        radiances(name)[(self.program() == "rpict") as usize]
+    }
+
     /// The number that an option has, and the words for it.
     fn option(&self, name: &str) -> (f64, String) {
-        let (given, default) = (self.given(name), radiances(name)[(self.program() == "rpict") as usize]);
+        let (given, default) = (self.given(name), self.default(name));
         (given.unwrap_or(default), format!("{name} {}", given.map_or(format!("{default}, its default"), |value| value.to_string())))
     }
 }
@@ -102,10 +107,7 @@ impl Reckoning {
         let default = Rules::default();
         let (jitter, division, bounces) = match command.program() {
             "rtrace-rs" => (None, default.light_division, default.ambient_bounces),
-            program => {
-                let [jitter, division, bounces] = ["-dj", "-ds", "-ab"].map(|name| radiances(name)[(program == "rpict") as usize]);
-                (Some(jitter), division, bounces as u32)
-            }
+            _ => (Some(command.default("-dj")), command.default("-ds"), command.default("-ab") as u32),
         };
         let jitter = command.given("-dj").filter(|dj| (0.0..=1.0).contains(dj)).or(jitter);
         let division = command.given("-ds").filter(|ds| *ds >= 0.0).unwrap_or(division);
