@@ -13,8 +13,8 @@ fn run(program: &str, directory: &Path, arguments: &[&str]) -> Output {
     Command::new(program).current_dir(directory).args(arguments).output().unwrap()
 }
 
-/// The page of a recovery, and what was printed.
-fn recovered() -> (String, String) {
+/// The page of a recovery from a picture of `SCENE` as one of `scene`, and what was printed.
+fn recovered(scene: &str) -> (String, String) {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path();
     fs::write(path.join("start.rad"), START).unwrap();
@@ -22,6 +22,7 @@ fn recovered() -> (String, String) {
     fs::write(path.join("scene.rad"), SCENE).unwrap();
     let view = "-vp 0 -5 0 -vd 0 1 0 -vh 30 -vv 30 -x 24 -y 24 --spp 200 -o target.hdr true.rad scene.rad";
     assert!(run(env!("CARGO_BIN_EXE_rtrace-rs"), path, &view.split(' ').collect::<Vec<_>>()).status.success());
+    fs::write(path.join("scene.rad"), scene).unwrap();
     let arguments = ["--scene", "scene.rad", "--target", "target.hdr", "--report", "page.html", "start.rad"];
     let done = run(env!("CARGO_BIN_EXE_anneal"), path, &arguments);
     assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
@@ -76,7 +77,7 @@ fn whole_in_itself(page: &str) {
 
 #[test]
 fn the_page_of_a_recovery_is_whole_and_tells_all() {
-    let (page, printed) = recovered();
+    let (page, printed) = recovered(SCENE);
     whole_in_itself(&page);
     // All digits that were printed, of values and of chi-squared.
     for line in printed.lines().take_while(|line| *line != "# end of what anneal says") {
@@ -94,6 +95,19 @@ fn the_page_of_a_recovery_is_whole_and_tells_all() {
     assert!(page.contains("&lt;i&gt;&amp;co") && !page.contains("<i>&co"));
     // Both kinds of light, and paper.
     assert!(page.contains("prefers-color-scheme: dark") && page.contains("@media print"));
+}
+
+#[test]
+fn all_that_is_doubted_is_on_the_page() {
+    let (page, printed) = recovered(&SCENE.replace("1 1 1 0", "2 2 2 0"));
+    let doubts: Vec<&str> = printed.lines().filter_map(|line| line.strip_prefix("# warning: ")).collect();
+    assert!(
+        doubts.iter().any(|doubt| doubt.starts_with("around the unknown the picture is 0.5 times as bright as the scene is")),
+        "{printed}"
+    );
+    for doubt in doubts {
+        assert!(page.contains(&format!("<li>{doubt}</li>")), "{doubt}");
+    }
 }
 
 #[test]

@@ -59,7 +59,7 @@ pub fn recover(start: &str, target: &str, arguments: &Arguments, console: &Conso
     }
     // The page is written even if nobody reads the answer.
     let page = arguments.search.report.as_ref();
-    let reported = page.map_or(Ok(()), |path| report::of_recovery(path, &found, &answer, &photo, &trail, console));
+    let reported = page.map_or(Ok(()), |path| report::of_recovery(path, &found, &answer, &doubts, &photo, &trail, console));
     answered.and(reported).and(trail.written())?;
     let asked = options.tolerance.zip(answer.errors());
     let missed = asked.and_then(|(tolerance, errors)| answer::missed(unknown.parameters(), errors, tolerance));

@@ -80,12 +80,21 @@ impl Trail {
     }
 }
 
-/// Writes the page of a recovery from a photograph.
-pub fn of_recovery(path: &Path, found: &Recovery, answer: &Answer, photo: &Photo, trail: &Trail, console: &Console) -> Outcome<()> {
+/// Writes the page of a recovery from a photograph, of which there is all this to doubt.
+pub fn of_recovery(
+    path: &Path,
+    found: &Recovery,
+    answer: &Answer,
+    doubts: &[String],
+    photo: &Photo,
+    trail: &Trail,
+    console: &Console,
+) -> Outcome<()> {
     let told = Report {
         own: Some(found.own.deviations()),
         pixels: Some(found.pixels),
         filter: found.sharpness().map(|blur| blur.title()),
+        doubts,
         trail: &trail.moments(),
         unit: "round",
         ..told(answer, (Loss::Chi2, found.chi2))
