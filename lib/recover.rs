@@ -237,12 +237,9 @@ impl Evidence<'_> {
 
     /// The same of a picture in so many parts, of as many parts as have enough.
     fn pixels_in_parts(&self, parts: usize, unknown: &Unknown, material: MaterialId) -> Result<Vec<usize>> {
-        let shown = |n: &usize| {
-            // What is seen behind the unknown is not in an illumination field: only pixels that it covers to their corners count.
-            let corners = || (0..25).map(|k| [k % 5, k / 5].map(|i| i as f64 / 4.0));
-            self.counts(*n)
-                && if self.world.has_field() { corners().all(|at| self.shows(*n, at, material)) } else { self.touches(*n, material) }
-        };
+        // What is seen behind the unknown is not in an illumination field.
+        let shown =
+            |n: &usize| self.counts(*n) && if self.world.has_field() { self.filled(*n, material) } else { self.touches(*n, material) };
         let Film { width, height, .. } = *self.film;
         let mut tiles = vec![vec![]; parts];
         for (row, column) in (0..height.div_ceil(TILE)).flat_map(|row| (0..width.div_ceil(TILE)).map(move |column| (row, column))) {
@@ -288,6 +285,11 @@ impl Evidence<'_> {
     /// Whether the unknown is seen somewhere in a pixel.
     pub fn touches(&self, n: usize, material: MaterialId) -> bool {
         (0..16).map(|k| [k % 4, k / 4].map(|i| i as f64 / 4.0 + 0.125)).any(|at| self.shows(n, at, material))
+    }
+
+    /// Whether the unknown covers a pixel to its corners.
+    pub fn filled(&self, n: usize, material: MaterialId) -> bool {
+        (0..25).map(|k| [k % 5, k / 5].map(|i| i as f64 / 4.0)).all(|at| self.shows(n, at, material))
     }
 
     fn shows(&self, n: usize, at: [f64; 2], material: MaterialId) -> bool {

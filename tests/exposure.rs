@@ -50,6 +50,7 @@ fn another_exposure_is_said_and_a_bound_of_another_size_does_not_hide_it() {
     let plastic = "plastic it 0 0 5 .6 .4 .2 .1 .15";
     let out = told(plastic, [0.3; 3], "");
     assert!(out.contains("# warning: around the unknown the picture is 0.3 times as bright as the scene is"), "{out}");
+    assert!(told(plastic, [179.0; 3], "").contains("as one in cd/m² is: divided by 179 it is in radiance"));
     assert!(!told(plastic, [1.0; 3], "").contains("around the unknown"));
     let out = told(plastic, [0.3; 3], "--param exposure=.3:.001:1e5 --fix spec");
     found(&out, &[("exposure", 0.3), ("red", 0.6)], 0.02);

@@ -94,7 +94,11 @@ impl<'a> Photo<'a> {
         let reading = Reading { unknown: Some(unknown.material().name.clone()), ..scene::reading(&arguments.reading, &disk)? };
         let scene = scene::built(&flat, &disk, &reading, &arguments.light, console)?;
         let material = scene.material(&flat.primitives[place]);
-        let material = material.ok_or_else(|| unknown.material().error("no surface of the scene is made of it"))?;
+        let material = material.ok_or_else(|| {
+            unknown
+                .material()
+                .error("no surface of the scene is made of it; give the object's file, which names it, too: --scene OBJECT.rad")
+        })?;
         if rules.ambient_value == Rgb::ZERO && !scene.materials.iter().any(|named| named.material.emits()) {
             let remedy = "give --scene the file with the lamps or the sky too (or -av, light from everywhere)";
             return Err(Error::new(format!("the scene has no light, so that every rendering is black: {remedy}")).into());
@@ -209,8 +213,8 @@ impl<'a> Photo<'a> {
             return Ok(None);
         }
         let mut black = evidence.enough_pixels(&self.unknown, self.material)?;
-        black.retain(|&n| dead::black(&evidence, n));
-        // Or they are of what is behind it.
+        black.retain(|&n| dead::black(&evidence, n) && evidence.filled(n, self.material));
+        // Or they are of what is behind it, at an edge perhaps.
         if black.is_empty() {
             return Ok(None);
         }

@@ -2,9 +2,10 @@
 
 use super::Evidence;
 use super::doubts::list;
-use crate::color::{Rgb, bright};
+use crate::color::{Rgb, WHITE_EFFICACY, bright};
 use crate::rad::Number;
 use crate::rules::Rules;
+use crate::sampling::mix64;
 use crate::scene::MaterialId;
 use crate::unknown::EXPOSURES;
 use crate::world::World;
@@ -37,13 +38,14 @@ pub fn otherwise_around(
     if numbers.len() < 2 * FEWEST {
         return None;
     }
-    let scene: Vec<Rgb> = evidence.rendered(world, &numbers, seed).pixels.iter().map(|pixel| pixel.mean()).collect();
+    let rendered = |seed: u64| -> Vec<Rgb> { evidence.rendered(world, &numbers, seed).pixels.iter().map(|pixel| pixel.mean()).collect() };
+    let scene = rendered(seed);
     let by = exposures.unwrap_or([1.0; 3]);
     let picture: Vec<Rgb> =
         numbers.iter().map(|&n| std::array::from_fn(|c| f64::from(evidence.target.pixels[n][c]) / by[c]).into()).collect();
     let said = match common([0, 1, 2].map(|c| factor(&picture, &scene, |light| light[c]))).filter(|_| exposures.is_none()) {
         Some(factors) => exposed(factors, factor(&picture, &scene, bright)),
-        None => displaced(&picture, &scene)?,
+        None => displaced(&picture, &scene, &rendered(mix64(seed)))?,
     };
     let bounces = evidence.rules.ambient_bounces;
     let cut = bounces != Rules::default().ambient_bounces;
@@ -75,6 +77,10 @@ fn exposed(factors: [f64; 3], all: Option<f64>) -> String {
     let (least, most) = (factors.into_iter().fold(f64::INFINITY, f64::min), factors.into_iter().fold(0.0, f64::max));
     let differ = most / least - 1.0 > OFF;
     match all.filter(|_| !differ) {
+        Some(all) if (all / WHITE_EFFICACY - 1.0).abs() < 2.0 * OFF => format!(
+            "around the unknown the picture is {} times as bright as the scene is, as one in cd/m² is: divided by {WHITE_EFFICACY} it is in radiance",
+            two(all)
+        ),
         Some(all) => format!(
             "around the unknown the picture is {} times as bright as the scene is, as by another exposure: {} {remedy}",
             two(all),
@@ -88,12 +94,14 @@ fn exposed(factors: [f64; 3], all: Option<f64>) -> String {
     }
 }
 
-/// That neighbours are off together, which no noise of a pixel makes, in any other way.
-fn displaced(picture: &[Rgb], scene: &[Rgb]) -> Option<String> {
-    let pairs = picture.as_chunks::<2>().0.iter().zip(scene.as_chunks::<2>().0);
-    let products = pairs.filter_map(|(picture, scene)| {
+/// That neighbours are off together, which no noise of a pixel makes, in any other way: in terms of what a rendering of its own has, since what this one
+/// lacks by chance it is off by too.
+fn displaced(picture: &[Rgb], scene: &[Rgb], again: &[Rgb]) -> Option<String> {
+    let [picture, scene, again] = [picture, scene, again].map(|lights| lights.as_chunks::<2>().0);
+    let products = picture.iter().zip(scene).zip(again).filter_map(|((picture, scene), again)| {
         let ([a, b], [c, d]) = (picture.map(bright), scene.map(bright));
-        (c + d > 0.0).then(|| 4.0 * (a - c) * (b - d) / (c + d).powi(2))
+        let mean = 0.5 * again.map(bright).iter().sum::<f64>();
+        (mean > 0.0).then(|| (a - c) * (b - d) / mean.powi(2))
     });
     let products: Vec<f64> = products.collect();
     let mean = products.iter().sum::<f64>() / products.len() as f64;
@@ -104,4 +112,23 @@ fn displaced(picture: &[Rgb], scene: &[Rgb]) -> Option<String> {
             100.0 * mean.sqrt()
         )
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn light_that_few_samples_find_is_not_off() {
+        // Each in ten is five times as bright as the others, by chance.
+        let lights = |seed: u64| -> Vec<Rgb> {
+            (0..6000).map(|n| Rgb::splat(if mix64(seed << 32 | n).is_multiple_of(10) { 1.0 } else { 0.2 })).collect()
+        };
+        for seed in 0..20 {
+            let [picture, scene, again] = [0, 1, 2].map(|k| lights(3 * seed + k));
+            assert_eq!(displaced(&picture, &scene, &again), None);
+            let elsewhere: Vec<Rgb> = picture.iter().map(|light| *light * 2.0).collect();
+            assert!(displaced(&elsewhere, &scene, &again).is_some());
+        }
+    }
 }

@@ -3,11 +3,13 @@
 use super::{Evidence, Recovery};
 use crate::color::bright;
 use crate::picture::place;
+use crate::render::Film;
 use crate::world::World;
 
-/// A pixel that a rendering has so many standard errors above black is not black by chance, where half of all pixels are off by no more than this, the
-/// square of a part: few samples of a small glow make many black, and the others too bright.
+/// A pixel that a rendering has so many standard errors above black is not black by chance, where half of those around it, so far away at the most, are off
+/// by no more than this, the square of a part: few samples of a small glow make many black, and the others too bright.
 const SURE: f64 = 5.0;
+const AROUND: usize = 3;
 const TYPICAL: f64 = 0.1;
 
 /// Whether a pixel is black in the picture.
@@ -17,14 +19,25 @@ pub fn black(evidence: &Evidence, n: usize) -> bool {
 
 /// Those of some black pixels that surely are not so in a world where the unknown is what was found.
 pub fn dead(evidence: &Evidence, world: &World, found: &Recovery, black: Vec<usize>, seed: u64) -> Vec<usize> {
-    let mut losses: Vec<f64> = found.losses.iter().map(|(_, loss)| *loss).collect();
-    losses.sort_by(f64::total_cmp);
-    if losses.get(losses.len() / 2).is_none_or(|loss| *loss > TYPICAL) {
-        return vec![];
-    }
+    let Film { width, height, .. } = *evidence.film;
+    let lit: Vec<(usize, f64)> = found.losses.iter().copied().filter(|(n, _)| !self::black(evidence, *n)).collect();
+    let Some(everywhere) = median(lit.iter().map(|(_, loss)| *loss)) else { return vec![] };
+    let mut off = vec![None; width * height];
+    lit.iter().for_each(|(n, loss)| off[*n] = Some(*loss));
+    let near = |at: usize, most: usize| at.saturating_sub(AROUND)..(at + AROUND + 1).min(most);
+    let around = |n: usize| near(n / width, height).flat_map(move |y| near(n % width, width).map(move |x| y * width + x));
+    let explained = |n: &usize| median(around(*n).filter_map(|n| off[n])).unwrap_or(everywhere) <= TYPICAL;
+    let black: Vec<usize> = black.into_iter().filter(explained).collect();
     let rendering = evidence.rendered(world, &black, seed);
     let surely = rendering.pixels.iter().map(|pixel| bright(pixel.mean()) > SURE * bright(rendering.variance(pixel).map(f64::sqrt)));
     black.into_iter().zip(surely).filter_map(|(n, surely)| surely.then_some(n)).collect()
+}
+
+/// The middle one of some numbers.
+fn median(numbers: impl Iterator<Item = f64>) -> Option<f64> {
+    let mut numbers: Vec<f64> = numbers.collect();
+    numbers.sort_by(f64::total_cmp);
+    numbers.get(numbers.len() / 2).copied()
 }
 
 /// What is to be said of them in a picture so wide, if there are any.
