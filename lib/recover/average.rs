@@ -10,6 +10,7 @@
 use super::Recovery;
 use super::look::{Look, Traced};
 use super::scores::{Scores, Way};
+use super::settle::STEADY;
 use crate::anneal::linear::Symmetric;
 use rayon::prelude::*;
 
@@ -89,14 +90,18 @@ impl Look<'_> {
         if range.axes.is_empty() {
             return found;
         }
-        found.values.iter_mut().zip(&aside.0).for_each(|(value, way)| *value -= way);
-        let candidates = self.candidates(&range, &found.values, traced);
-        let (best, off) = compared(&range, &candidates, &found.values);
+        let near: Vec<f64> = found.values.iter().zip(&aside.0).map(|(value, way)| value - way).collect();
+        let valley = self.valley(&range, &near, traced);
+        let candidates: Vec<Scores> =
+            (0..range.len()).into_par_iter().with_max_len(1).map(|i| valley(&range.values(i).collect::<Vec<_>>())).collect();
+        let (best, off) = compared(&range, &candidates, &near);
         let shares: Vec<f64> = (0..range.len()).map(|i| range.size(i) * (-0.5 * off[i].powi(2)).exp()).collect();
         let whole: f64 = shares.iter().sum();
         let mean = |of: &dyn Fn(usize) -> f64| shares.iter().enumerate().map(|(i, share)| share / whole * of(i)).sum::<f64>();
         let value = |i: usize, parameter: usize| candidates[i].here.values[parameter];
-        let values: Vec<f64> = (0..found.values.len()).map(|p| mean(&|i| value(i, p))).collect();
+        // The values in doubt are what they are on the average, and the others what they are best with those.
+        let middle: Vec<(usize, f64)> = range.axes.iter().map(|(slot, _)| (*slot, mean(&|i| value(i, *slot)))).collect();
+        let values = valley(&middle).here.values;
         let doubtful = |parameter: usize| range.axes.iter().any(|(slot, _)| *slot == parameter);
         let within = |p: usize, q: usize| match (doubtful(p), doubtful(q)) {
             (false, false) => candidates[best].covariance.at(p, q),
@@ -113,12 +118,12 @@ impl Look<'_> {
         found
     }
 
-    /// The best of all other values for each of those that the values in doubt may have, from `near`.
-    fn candidates<'s>(&self, range: &Range, near: &[f64], traced: Traced<'s>) -> Vec<Scores<'s>> {
+    /// What is best of all other values where those in doubt are what they are said to be, from `near`.
+    fn valley<'s>(&'s self, range: &'s Range, near: &'s [f64], traced: Traced<'s>) -> impl Fn(&[(usize, f64)]) -> Scores<'s> + Sync + 's {
         let Traced { sheet, basis, .. } = traced;
         let halves = traced.halves(near);
         let weights = sheet.by_variance(&halves, &sheet.variances(&halves, basis), &basis.samples);
-        let scores = |values: &[f64]| {
+        let scores = move |values: &[f64]| {
             let mut here = traced.evaluation(values, self.bounds);
             // A value that no pixel tells stays where it is.
             for (slot, _) in &range.axes {
@@ -126,18 +131,17 @@ impl Look<'_> {
             }
             Scores::new(sheet, weights.clone(), here, self.bounds)
         };
-        let best_with = |i: usize| {
+        move |said| {
             let mut values = near.to_vec();
-            range.values(i).for_each(|(slot, value)| values[slot] = value);
+            said.iter().for_each(|&(slot, value)| values[slot] = value);
             let mut best = scores(&values);
             for _ in 0..STEPS {
-                let Some(step) = best.step_within(self.bounds) else { break };
+                let Some(step) = best.step_within(self.bounds).filter(|step| best.length(step) > STEADY) else { break };
                 values.iter_mut().zip(&step).zip(self.bounds).for_each(|((v, s), b)| *v = (*v + s).clamp(b.0, b.1));
                 best = scores(&values);
             }
             best
-        };
-        (0..range.len()).into_par_iter().with_max_len(1).map(best_with).collect()
+        }
     }
 }
 

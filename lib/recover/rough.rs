@@ -109,7 +109,8 @@ pub fn recover(sought: &Sought, effort: Effort, enough: &dyn Fn(&Recovery) -> bo
             continue;
         }
         let held = |slot: usize| !strayed && found.errors()[slot] <= HELD * found.values[slot].abs();
-        if doubtful.iter().all(|(slot, _)| held(*slot)) {
+        let rough = |slot: usize| stage.axes().any(|(_, of)| of == slot);
+        if doubtful.iter().all(|(slot, _)| !rough(*slot) || held(*slot)) {
             return Ok(looked.found);
         }
         tell("last look");

@@ -285,10 +285,9 @@ impl<'a> Scores<'a> {
         self.here.derivatives.iter().map(clarity).collect()
     }
 
-    /// How far another place is: the largest part of the way, in standard errors.
-    pub fn length(&self, other: &Evaluation) -> f64 {
-        let way: Vec<f64> = other.values.iter().zip(&self.here.values).map(|(there, here)| there - here).collect();
-        length(&way, &self.covariance.deviations())
+    /// How far a step goes: the largest part of it, in standard errors.
+    pub fn length(&self, step: &[f64]) -> f64 {
+        length(step, &self.covariance.deviations())
     }
 
     /// The number of each pixel and how far it is off, with fixed weights, without what the noise of the rendering adds to it.

@@ -69,7 +69,7 @@ impl Look<'_> {
             traced.evaluation(&traced.model.trusted(&asked), self.bounds)
         };
         let borne = (0..HALVINGS).map(|n| part(0.5f64.powi(n))).find(|place| now.excess(&place.halves) < worse(traced.basis))?;
-        let taken = now.length(&borne);
+        let taken = now.length(&borne.values.iter().zip(here).map(|(there, here)| there - here).collect::<Vec<_>>());
         Some((borne, taken))
     }
 }
@@ -86,7 +86,7 @@ fn worse(basis: &Basis) -> f64 {
 }
 
 /// A step that is not worth another, in standard errors.
-const STEADY: f64 = 0.05;
+pub const STEADY: f64 = 0.05;
 
 /// χ² of the mean of both halves, pixel by pixel.
 struct Whole<'a> {

@@ -1,7 +1,9 @@
 //! The model of rough materials: nodes of roughness around what is known of it, and what was traced by directions that tell of it.
 
 use super::Sought;
+use crate::anneal::Parameter;
 use crate::color::Rgb;
+use crate::recover::doubts::UNDETERMINED;
 use crate::recover::foresight::telling;
 use crate::recover::look::Model;
 use crate::recover::model::{Grid, Kind, SPECULARITY, alphas, coefficients, exposed, nodes, parts};
@@ -22,6 +24,9 @@ const ANISOTROPIC_NODES: (usize, f64) = (8, 1.3);
 
 /// What of the derivative by a roughness must not be noise for it to be trusted.
 const DOUBTFUL: f64 = 0.2;
+
+/// How many of all values that one may have are looked at where it is left open.
+const OPEN_VALUES: usize = 8;
 
 /// The standard errors that a specularity may be for there to be none, perhaps.
 const FAINT: f64 = 2.0;
@@ -168,6 +173,17 @@ impl<'a> Stage<'a> {
         if sums[0] > 0.0 { sums[1] / sums[0] } else { 0.0 }
     }
 
+    /// Of the shares of what goes through, the one that the pixels leave open most, if they do, and all that it may be: light goes through a body's two
+    /// sides, so colours change with it otherwise than their derivatives say.
+    fn open(&self, found: &Recovery) -> Option<(usize, Vec<f64>)> {
+        let (parameters, errors, through) = (self.unknown.parameters(), found.errors(), self.kind.roughnesses().end);
+        let part = |slot: &usize| errors[*slot] / parameters[*slot].anywhere();
+        let shares = self.unknown.slots().get(through..through + 2)?.iter().flatten().copied();
+        let most = shares.filter(|slot| part(slot) >= UNDETERMINED).max_by(|a, b| part(a).total_cmp(&part(b)))?;
+        let Parameter { low, high, .. } = parameters[most];
+        Some((most, (0..OPEN_VALUES).map(|k| low + (high - low) * k as f64 / (OPEN_VALUES - 1) as f64).collect()))
+    }
+
     /// The axes whose roughness is unknown, and its place among the parameters; one axis where both have the same.
     pub fn axes(&self) -> impl Iterator<Item = (usize, usize)> {
         let [u, v] = slots(self.kind, self.unknown);
@@ -252,8 +268,11 @@ impl Model for Stage<'_> {
 
     fn doubtful(&self, found: &Recovery) -> Vec<(usize, Vec<f64>)> {
         let faint = faint(self.kind, self.unknown, found);
-        let doubtful = self.axes().filter(|(_, slot)| faint || found.clarity[*slot] < DOUBTFUL);
-        doubtful.map(|(axis, slot)| (slot, self.grid[axis].clone())).collect()
+        let rough = self.axes().filter(|(_, slot)| faint || found.clarity[*slot] < DOUBTFUL);
+        let open = self.open(found);
+        // Of two, every other.
+        let stride = 1 + usize::from(open.is_some());
+        rough.map(|(axis, slot)| (slot, self.grid[axis].iter().copied().step_by(stride).collect())).chain(open).collect()
     }
 
     fn telling(&self, pixels: &[usize], _: u64) -> Option<Vec<f64>> {
