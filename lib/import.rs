@@ -49,13 +49,21 @@ impl Octree {
     pub fn documents(self, name: &str, resolve: &dyn Resolve) -> Result<Vec<Document>> {
         let read = |file: String| match file.starts_with('!') {
             true => Document::parse(Source::new(name, file + "\n")),
-            false => Document::read(&file, resolve.scene(&file)?),
+            false => Document::read(&file, resolve.scene(&file).map_err(|e| lacking(name, &e))?),
         };
         match self {
             Self::Files(files) => files.into_iter().map(read).collect(),
             Self::Scene(document) => Ok(vec![document]),
         }
     }
+}
+
+/// That an octree was made from a file that cannot be read.
+fn lacking(octree: &str, file: &Error) -> Error {
+    Error::new(format!(
+        "{octree}: it was made from a scene file that it does not hold: {}; give it the file, or freeze it by oconv -f",
+        file.message
+    ))
 }
 
 /// The mesh in these bytes: a `.rtm` if it begins like one, otherwise an `.obj`. `name` is what the user knows it by.

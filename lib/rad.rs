@@ -47,7 +47,7 @@ fn foreign(text: &str) -> Option<&'static str> {
     if text.starts_with('\u{feff}') {
         Some("the file begins with a byte order mark, which RADIANCE takes for a part of the first word; save it as UTF-8 without one")
     } else if text.starts_with("#?RADIANCE") && is_picture() || text.starts_with("v/1\u{1}") {
-        Some("this is a picture, not a scene description; give --target or the like for it, or name the scene")
+        Some("this is a picture, not a scene description; name the scene here (a picture to compare with is `anneal --target`)")
     } else {
         None
     }

@@ -298,7 +298,10 @@ impl Arguments {
             [start] => Ok(Job::Search(start.into())),
             [] if !photo.scene.is_empty() || self.judge.exec.is_some() => Ok(Job::Search("-".into())),
             [] => Err(Error::new("nothing to do: give --scene, --target and START.rad; see --help")),
-            _ => Err(Error::new("one START.rad only: put the unknown material into one file, and --scene before each file of the scene")),
+            _ => Err(Error::new(format!(
+                "one START.rad only, not `{}`: put the unknown material into one file, and --scene before each file of the scene",
+                words.join("` and `")
+            ))),
         }
     }
 
@@ -388,7 +391,7 @@ mod tests {
         assert_eq!(job("anneal best s").unwrap(), Job::Best("s".into()));
         assert!(job("anneal tell s x").unwrap_err().message.contains("`x` is not a number"));
         assert!(job("anneal --scene s.rad --predict --filter auto a.rad").unwrap_err().message.contains("give its radius"));
-        assert!(job("anneal a.rad b.rad").unwrap_err().message.contains("one START.rad only"));
+        assert!(job("anneal a.rad b.rad").unwrap_err().message.contains("one START.rad only, not `a.rad` and `b.rad`"));
         assert!(job("anneal propose").unwrap_err().message.contains("propose takes the file"));
     }
 

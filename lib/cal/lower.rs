@@ -113,7 +113,12 @@ impl<'l> Lowering<'l> {
     /// The root node of an expression.
     pub fn expression(&mut self, node: &parse::Node, text: &Text) -> Result<Id, Error> {
         let lowered = self.lower(node, &Scope::of(text));
-        self.root(lowered, || text.error(node.left, "this has no value (division by zero, or an argument outside a function's range)"))
+        self.root(lowered, || {
+            text.error(
+                node.left,
+                "this has no value (division by zero, an argument outside a function's range, or a recursion without end)",
+            )
+        })
     }
 
     /// The root node of a function applied to some of the program's parameters.

@@ -52,7 +52,9 @@ pub fn write(picture: &Picture, path: Option<&Path>, exr: bool) -> Outcome<()> {
 
 /// How far a rendering is, in words.
 pub fn reached(rendering: &Rendering) -> String {
-    format!("{:.0} samples a pixel, error {:.2} %", rendering.samples(), 100.0 * rendering.noise())
+    let noise = Some(100.0 * rendering.noise()).filter(|noise| noise.is_finite());
+    let error = noise.map_or("not known yet".into(), |noise| format!("{noise:.2} %"));
+    format!("{:.0} samples a pixel, error {error}", rendering.samples())
 }
 
 /// Writes a finished rendering, and its variance where that is asked for.

@@ -14,7 +14,8 @@ const COLORS: f64 = 0.02;
 
 /// What is to be said of a picture that says that it was taken from elsewhere.
 pub fn elsewhere(name: &str, own: &View, asked: &View) -> Option<String> {
-    let remark = || format!("{name} says that it was taken from elsewhere ({}): leave out -vf for that view", own.header_line());
+    let remark =
+        || format!("{name} says that it was taken from elsewhere ({}): leave out -vf and the like for that view", own.header_line());
     (!own.is_like(asked)).then(remark)
 }
 
