@@ -136,7 +136,7 @@ impl<'a> Effort<'a> {
     }
 
     /// Whether there is time for one more look that takes as long as those since `begin` on the average.
-    fn affords_another(&self, begin: Instant, looks: u32) -> bool {
+    pub fn affords_another(&self, begin: Instant, looks: u32) -> bool {
         !self.quick && (self.until)().is_none_or(|until| Instant::now() + begin.elapsed() / looks <= until)
     }
 }

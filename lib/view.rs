@@ -147,6 +147,7 @@ impl View {
         self.kind == other.kind
             && self.point.distance(other.point) <= ALIKE * (1.0 + self.point.length())
             && self.direction.angle_between(other.direction) <= ALIKE
+            && self.direction.cross(self.up).angle_between(other.direction.cross(other.up)) <= ALIKE
             && alike(self.horizontal, other.horizontal)
             && alike(self.vertical, other.vertical)
             && (self.shift - other.shift).abs() <= ALIKE

@@ -170,6 +170,7 @@ fn views_are_alike_that_show_about_the_same() {
         ("-vp 0 -5 1 -vd 0 1 -.3 -vh 26 -vv 26", false),
         ("-vp 0 -5 1 -vd 0 1 -.2 -vh 30 -vv 26", false),
         ("-vp 0 -5 1 -vd 0 1 -.2 -vh 26 -vv 26 -vs .2", false),
+        ("-vp 0 -5 1 -vd 0 1 -.2 -vu 1 0 1 -vh 26 -vv 26", false),
         ("-vta -vp 0 -5 1 -vd 0 1 -.2 -vh 26 -vv 26", false),
     ] {
         assert_eq!(own.is_like(&view(line)), alike, "{line}");

@@ -26,13 +26,14 @@ pub fn recover(start: &str, target: &str, arguments: &Arguments, console: &Conso
     let (found, cut) = match found {
         Some(found) => (found, false),
         None => {
+            let begin = Instant::now();
             let mut found = recovered(&photo, effort, console)?;
             let saturated = photo.saturated(&found)?;
             // A flat surface that all is seen of tells more.
             let wary = saturated.is_some() || found.saturated.is_empty();
-            let late = effort.late();
-            let dead = if late { None } else { photo.leave_out_dead(&found)? };
-            if (dead.is_some() || !wary) && !late {
+            let again = effort.affords_another(begin, 1);
+            let dead = if again { photo.leave_out_dead(&found)? } else { None };
+            if (dead.is_some() || !wary) && again {
                 found = recovered(&photo, Effort { around: Some(&found.values), wary, ..effort }, console)?;
             }
             trail.hear(&found, console);

@@ -66,6 +66,9 @@ impl Shape {
                 if !p.contains(center) {
                     return Err("the average of its vertices lies outside this polygon, so it cannot be a light; divide it");
                 }
+                if p.vertices.len() > 4 && p.trapezoids().is_none() {
+                    return Err("this polygon's outline has too many sides beside one another for a light; divide it");
+                }
                 let mut light = LightShape::square(center, p.normal, p.area, false);
                 match *p.vertices {
                     [v0, v1, _, v3] => light.half_edges = [(v1 - v0) / 2.0, (v3 - v0) / 2.0, Vec3::ZERO],

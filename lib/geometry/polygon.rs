@@ -94,8 +94,9 @@ impl Polygon {
     }
 
     /// The part inside by the even-odd rule as trapezoids: corners in the plane, the first two on one parallel side, the other two on
-    /// the other (in the same sense), so that the first and the last share a slanted side.
-    pub fn trapezoids(&self) -> Vec<[Vec3; 4]> {
+    /// the other (in the same sense), so that the first and the last share a slanted side. `None` if they are too many, as where an outline crosses itself
+    /// again and again.
+    pub fn trapezoids(&self) -> Option<Vec<[Vec3; 4]>> {
         let mut levels: Vec<f64> = self.outline.iter().map(|p| p[1]).collect();
         levels.sort_by(f64::total_cmp);
         levels.dedup();
@@ -110,6 +111,9 @@ impl Polygon {
                     (a[1] <= w[0] && b[1] >= w[1]).then(|| [x(w[0]), x(w[1])])
                 })
                 .collect();
+            if sides.len() > MOST_SIDES {
+                return None;
+            }
             let between = |[low, high]: [f64; 2], t: f64| low * (1.0 - t) + high * t;
             // Where none cross, in order; every second gap between them is inside.
             for part in uncrossed(&mut sides).windows(2) {
@@ -119,11 +123,18 @@ impl Polygon {
                     let corner = |side: usize, end: usize| self.lift([between(pair[side], part[end]), between([w[0], w[1]], part[end])]);
                     out.push([corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1)]);
                 }
+                if out.len() > MOST_TRAPEZOIDS {
+                    return None;
+                }
             }
         }
-        out
+        Some(out)
     }
 }
+
+/// The most sides that a level line of a lamp may cross, and trapezoids that a lamp may be.
+const MOST_SIDES: usize = 2048;
+const MOST_TRAPEZOIDS: usize = 1 << 17;
 
 /// The parts of the way from one end to the other, from 0 to 1, between which no straight sides cross that are here and there at their ends.
 fn uncrossed(sides: &mut [[f64; 2]]) -> Vec<f64> {

@@ -33,7 +33,7 @@ impl AreaSampler {
             4 if opposite(v) => Kind::Parallelogram([v[0], v[1] - v[0], v[3] - v[0]]),
             _ => {
                 let mut sum = 0.0;
-                let parts = polygon.trapezoids().into_iter().map(|corners| {
+                let parts = polygon.trapezoids().unwrap_or_default().into_iter().map(|corners| {
                     let [a, b, c, d] = corners;
                     sum += ((b - a).cross(c - a).length() + (c - a).cross(d - a).length()) / 2.0;
                     (corners, sum)

@@ -3,7 +3,7 @@
 use super::{Class, Primitive};
 use std::collections::HashMap;
 
-/// The most patterns, textures and mixtures that one modifier may lead through, counted as often as a ray may meet them.
+/// The most patterns, textures, mixtures and alternates that one modifier may lead through, counted as often as a ray may meet them.
 pub const WEIGHT_LIMIT: usize = 1000;
 
 /// What a name stands for.

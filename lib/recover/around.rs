@@ -32,7 +32,8 @@ pub fn otherwise_around(
     if world.has_field() {
         return None;
     }
-    let known = |n: &usize| evidence.counts(*n) && !evidence.touches(*n, material);
+    let finite = |n: &usize| evidence.target.pixels[*n].iter().all(|v| v.is_finite());
+    let known = |n: &usize| evidence.counts(*n) && finite(n) && !evidence.touches(*n, material);
     let pairs = evidence.film.some(LOOKED_AT).filter(|n| (n + 1) % evidence.film.width != 0).map(|n| [n, n + 1]);
     let numbers = pairs.filter(|pair| pair.iter().all(known)).collect::<Vec<_>>().concat();
     if numbers.len() < 2 * FEWEST {

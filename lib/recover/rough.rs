@@ -165,7 +165,11 @@ fn search(problem: &Problem, stage: &Stage, unknown: &Unknown, seed: u64) -> Res
     let mut starts: Vec<Vec<f64>> = annealer.best().map(|b| b.values).into_iter().collect();
     let axes: Vec<(usize, usize)> = stage.axes().collect();
     // Every roughness; of two, every other pair.
-    let (count, stride) = if axes.len() == 2 { (stage.grid[0].len().pow(2) / 4, 2) } else { (stage.grid[0].len(), 1) };
+    let (count, stride) = match axes.len() {
+        0 => (1, 1),
+        1 => (stage.grid[0].len(), 1),
+        _ => (stage.grid[0].len().pow(2) / 4, 2),
+    };
     let descent = |start: usize| {
         let mut values: Vec<f64> = parameters.iter().map(|p| 0.5 * (p.low + p.high)).collect();
         let mut free = all.clone();

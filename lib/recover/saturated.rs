@@ -56,8 +56,11 @@ pub fn confirmed(evidence: &Evidence, world: &World, saturated: &[Saturated], ex
         let photographed = f64::from(evidence.target.pixels[*n][*c]);
         (exposures[*c] * pixel.mean()[*c] > BRIGHTER * photographed).then_some(*n)
     };
-    let brighter: Vec<usize> = saturated.iter().zip(&rendering.pixels).filter_map(brighter).collect();
+    let mut brighter: Vec<usize> = saturated.iter().zip(&rendering.pixels).filter_map(brighter).collect();
     let surely = 2 * brighter.len() > numbers.len();
+    // One may be so in several channels.
+    brighter.sort_unstable();
+    brighter.dedup();
     brighter.first().filter(|_| surely).map(|n| {
         format!(
             "{} pixels, as that in {}, have the largest value of their channel, and should be brighter, as where a camera is saturated: they and \

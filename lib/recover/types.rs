@@ -3,6 +3,7 @@
 //! Vuong's test (1989, equation 3.1) for models that are not nested: the difference of their losses, pixel by pixel, is measured by its own
 //! scatter. Pixels go together with their neighbours, so they are summed by blocks first.
 
+use super::doubts::list;
 use super::model::{Kind, parts};
 use super::sheet::COMMON;
 use super::{Evidence, Recovery, tile};
@@ -259,7 +260,7 @@ impl Verdict {
             return vec![];
         }
         let chosen = &self.rivals[self.chosen].0;
-        vec![format!("this picture does not tell {chosen} from {}: they fit as well, and {chosen} is the simplest", open.join(" and "))]
+        vec![format!("this picture does not tell {chosen} from {}: they fit as well", list(&open))]
     }
 }
 

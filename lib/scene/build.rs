@@ -130,7 +130,8 @@ impl<'a> Builder<'a> {
 
     /// The latest definition of `name` before the definition `before`.
     fn find(&self, name: &str, before: usize) -> Option<DefinitionId> {
-        self.names.get(name)?.iter().rev().copied().find(|&d| d < before)
+        let rising = self.names.get(name)?;
+        rising[..rising.partition_point(|&d| d < before)].last().copied()
     }
 
     /// The modifier of a primitive.
@@ -292,7 +293,7 @@ impl<'a> Builder<'a> {
             let joined = self.join(&mut chain, &definition);
             weight += self.first(&mut wrong, joined).unwrap_or(0);
             if weight > WEIGHT_LIMIT {
-                let message = format!("more than {WEIGHT_LIMIT} patterns, textures and mixtures in one chain");
+                let message = format!("more than {WEIGHT_LIMIT} patterns, textures, mixtures and alternates in one chain");
                 return Err(definition.primitive.error(message).into());
             }
         }
@@ -313,7 +314,7 @@ impl<'a> Builder<'a> {
         None
     }
 
-    /// Adds a modifier to a chain, and tells through how many patterns, textures and mixtures it leads.
+    /// Adds a modifier to a chain, and tells through how many patterns, textures, mixtures and alternates it leads.
     fn join(&mut self, chain: &mut Chain, definition: &Definition) -> Resolved<usize> {
         let Definition { primitive, behind, order, .. } = definition;
         match primitive.type_of().map(|t| t.class) {
@@ -324,8 +325,9 @@ impl<'a> Builder<'a> {
             Some(Class::Mixture) => self.mixture(chain, primitive, *behind, *order),
             _ if matches!(chain.end, End::Void) => {
                 chain.before = chain.links.len();
-                chain.end = End::Material(self.material(primitive, *order)?);
-                Ok(0)
+                let material = self.material(primitive, *order)?;
+                chain.end = End::Material(material);
+                Ok(self.scene.materials[material].alternate.map_or(0, |chain| 1 + self.weights[chain]))
             }
             _ => Err(conflict(primitive).into()),
         }

@@ -71,7 +71,8 @@ impl World {
         for surface in &surfaces {
             let Some((body, mut built)) = world.surface(surface, false, &mut groups)? else { continue };
             if let Form::Shape(shape) = &surface.form {
-                let form = || Ok((light::Form::of(shape.clone()), shape.light()?));
+                // What may be no light need not be taken apart for one.
+                let form = || shape.light().map(|light| (light::Form::of(shape.clone()), light));
                 let form = || form().map_err(|e: &str| surface.place.error(format!("`{}`: {e}", surface.name)));
                 built.lamp = world.lamp(surface.chains[0], form)?;
                 if let Some(color) = world.mirror(surface.chains[0])

@@ -145,7 +145,12 @@ fn bombs() -> Vec<(&'static str, String)> {
     let mix = |i: usize| format!("void mixfunc x{i} 4 {0} {0} .5 . 0 0\n", before(i, "m"));
     let mirror = |i: usize| format!("void mirror x{i} 1 {} 0 3 1 1 1\n", before(i, "m"));
     let pattern = |i: usize| format!("{} brightfunc x{i} 2 .9 . 0 0\n", before(i, "void"));
+    // Nine mixtures of one another, and an illum that they stand for; again of that illum, and so on.
+    let mixed = |i: usize, j: usize| if j > 0 { format!("a{i}_{}", j - 1) } else { before(i, "m") };
+    let mixed = |i: usize| lines(9, &|j| format!("void mixfunc a{i}_{j} 4 {0} {0} .5 . 0 0\n", mixed(i, j)));
+    let illum = |i: usize| format!("{}void illum x{i} 1 a{i}_8 0 3 1 1 1\n{}", mixed(i), ball(i));
     vec![
+        ("illums of mixtures of illums", format!("{m}{}", lines(4, &illum))),
         ("mixtures of mixtures", format!("{m}{}{}", lines(30, &mix), ball(29))),
         ("mixtures too deep", format!("{m}{}{}", lines(1000, &mix), ball(999))),
         ("mirrors of mirrors", format!("{m}{}{}", lines(50_000, &mirror), ball(49_999))),
