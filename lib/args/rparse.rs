@@ -12,7 +12,7 @@ use super::{Common, Scenes};
 #[derive(clap::Parser, Clone, Debug)]
 #[command(name = "rparse", version)]
 pub struct Args {
-    /// Scene descriptions, which follow each other; - is standard input, !COMMAND stands for a scene of that command
+    /// Scene descriptions, which follow each other; - is standard input, !COMMAND is what a command prints, unless a file has that name
     #[arg(value_name = "FILE", default_value = "-", value_parser = super::name())]
     pub files: Vec<String>,
 

@@ -127,7 +127,7 @@ impl Resolve for Disk<'_> {
 }
 
 /// What a command prints, and how it ends.
-fn printed(command: &str) -> Result<(Vec<u8>, ExitStatus)> {
+pub fn printed(command: &str) -> Result<(Vec<u8>, ExitStatus)> {
     let failed = |e: std::io::Error| Error::new(format!("command {command}: {}", plain(&e)));
     let mut child =
         Command::new("sh").arg("-c").arg(native(command)).stdin(Stdio::null()).stdout(Stdio::piped()).spawn().map_err(failed)?;

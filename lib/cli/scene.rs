@@ -1,11 +1,11 @@
 //! Scenes and views as they are named on a command line.
 
-use super::disk::Disk;
+use super::disk::{Disk, printed};
 use super::stream::file;
 use super::{Console, Outcome, input};
 use crate::args::rtrace::{Arguments, Light};
 use crate::args::{self, ViewWords};
-use crate::error::{Result, Source};
+use crate::error::{Error, Result, Source};
 use crate::expand::{Flat, expand};
 use crate::import::{is_octree, octree};
 use crate::rad::Document;
@@ -14,19 +14,27 @@ use crate::rules::Rules;
 use crate::scene::{Reading, Scene};
 use crate::view::View;
 use crate::world::World;
+use std::path::Path;
 use std::sync::Arc;
 
-/// The name and the bytes of a scene file or octree. A name that begins with `!` stands for a scene of that command, which runs no more than it would in
-/// a file: `*.rad` may name what somebody else has put there.
-pub fn typed(name: &str) -> Result<(String, Vec<u8>)> {
-    if name.starts_with('!') { Ok((name.into(), name.into())) } else { input(name) }
+/// The name and the bytes of a scene file or octree. A name that begins with `!` is a command that prints one; it was typed, so it may run unless all are
+/// denied. But a file of that name is a file: `*.rad` may name what somebody else has put there.
+pub fn typed(name: &str, resolve: &dyn Resolve) -> Result<(String, Vec<u8>)> {
+    match name.strip_prefix('!').filter(|_| !Path::new(name).exists()) {
+        Some(_) if resolve.denies() => Err(Error::new(format!("{name}: commands are denied; write ./{name} for a file of this name"))),
+        Some(command) => match printed(command)? {
+            (bytes, status) if status.success() => Ok((name.into(), bytes)),
+            (_, status) => Err(Error::new(format!("command {command}: {status}"))),
+        },
+        None => input(name),
+    }
 }
 
 /// The documents of scene files and octrees.
 pub fn documents(names: &[String], resolve: &dyn Resolve) -> Result<Vec<Document>> {
     let mut documents = Vec::new();
     for name in names {
-        let (name, bytes) = typed(name)?;
+        let (name, bytes) = typed(name, resolve)?;
         if !is_octree(&bytes) {
             documents.push(Document::read(&name, bytes)?);
             continue;

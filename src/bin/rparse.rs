@@ -24,7 +24,7 @@ fn run(args: Args, console: &Console) -> Outcome<Answer> {
     let disk = Disk::new(args.scenes.commands, console);
     let mut sources = Vec::new();
     for name in &args.files {
-        let (name, bytes) = cli::typed(name)?;
+        let (name, bytes) = cli::typed(name, &disk)?;
         if is_octree(&bytes) {
             let remedy = "rtrace-rs reads it; give rparse the scene files that it was made from";
             return Err(Error::new(format!("{name}: this is an octree, not a scene file: {remedy}")).into());
