@@ -166,7 +166,6 @@ fn commands_run_only_when_allowed() {
         assert_eq!(directory.path().join("pwned").exists(), wanted == 0);
     }
     assert_eq!(rparse(directory.path(), &["--commands", "deny"], b"!echo void plastic p 0 0 0\n").0, 2);
-    // A file may be called so.
     // What is typed may, unless a file is called so.
     let (status, _, said) = rparse(directory.path(), &["--commands", "deny", "!touch here"], b"");
     assert!(status == 2 && said.contains("commands are denied") && !directory.path().join("here").exists(), "{said}");

@@ -28,6 +28,9 @@ pub fn dead(evidence: &Evidence, world: &World, found: &Recovery, black: Vec<usi
     let around = |n: usize| near(n / width, height).flat_map(move |y| near(n % width, width).map(move |x| y * width + x));
     let explained = |n: &usize| median(around(*n).filter_map(|n| off[n])).unwrap_or(everywhere) <= TYPICAL;
     let black: Vec<usize> = black.into_iter().filter(explained).collect();
+    if black.is_empty() {
+        return vec![];
+    }
     let rendering = evidence.rendered(world, &black, seed);
     let surely = rendering.pixels.iter().map(|pixel| bright(pixel.mean()) > SURE * bright(rendering.variance(pixel).map(f64::sqrt)));
     black.into_iter().zip(surely).filter_map(|(n, surely)| surely.then_some(n)).collect()
