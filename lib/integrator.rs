@@ -7,9 +7,11 @@
 
 mod radiance;
 mod scatter;
+mod survey;
 mod unhidden;
 
 pub use radiance::Radiance;
+pub use survey::survey;
 
 use crate::accel::Hit;
 use crate::bsdf::{Arriving, Bsdf, Delta, Part};
@@ -207,6 +209,11 @@ struct Scattered {
     lamps: f64,
     /// Whether directions aimed at the environment share it.
     shared: bool,
+    /// How much what shines first on the path counts that pools of light may be made of, surfaces and glows: less than all where directions are
+    /// aimed at pools too.
+    places: f64,
+    /// And how much other light does: none where the direction is aimed at a pool.
+    others: f64,
 }
 
 /// Below this weight a path goes on by roulette; one that nothing was left to chance for yet, below the second.
@@ -332,7 +339,7 @@ impl<'a, B: Clone> Integrator<'a, B> {
         if let Some(emission) = &layer.emission {
             return self.emit(transport, path, &beta, emission);
         }
-        let onward = Path {
+        let mut onward = Path {
             ray: Ray { origin: hit.point, direction: path.ray.direction },
             limit: path.limit - hit.t,
             travelled: path.travelled + hit.t,
@@ -340,7 +347,15 @@ impl<'a, B: Clone> Integrator<'a, B> {
             medium: *medium,
             ..*path
         };
-        if layer.material.is_some() {
+        if let Some(named) = layer.material {
+            let lets_on = named.material.nominally_transparent();
+            let share = onward.scattered.as_mut().map_or(1.0, |scattered| scattered.settle(lets_on));
+            if share == 0.0 {
+                return;
+            }
+            if share != 1.0 {
+                transport.scale(&mut beta, Rgb::splat(share));
+            }
             return self.scatter(transport, &onward, &beta, layer);
         }
         let path = self.beyond(Path { kind: Kind::Passed, ..onward }, layer);
@@ -370,8 +385,9 @@ impl<'a, B: Clone> Integrator<'a, B> {
                     0.0 => 0.0,
                     aimed => s.lamps * s.density / (s.density + aimed),
                 },
-                Emitter::Environment if s.shared => s.density / (s.density + self.world.environment_pdf(s.origin, s.direction)),
-                Emitter::Environment | Emitter::Glow => 1.0,
+                Emitter::Environment if s.shared => s.others * s.density / (s.density + self.world.environment_pdf(s.origin, s.direction)),
+                Emitter::Environment => s.others,
+                Emitter::Glow => s.places,
                 Emitter::Hidden => 0.0,
             },
         };
@@ -380,6 +396,20 @@ impl<'a, B: Clone> Integrator<'a, B> {
         } else if weight > 0.0 {
             transport.collect(beta, emission.radiance * weight);
         }
+    }
+}
+
+impl Scattered {
+    /// Leaves a point in no direction yet, so that nothing else is aimed at what it finds.
+    fn from(origin: Vec3) -> Self {
+        Self { origin, direction: Vec3::ZERO, density: 0.0, lamps: 0.0, shared: false, places: 1.0, others: 1.0 }
+    }
+
+    /// What the path counts from the first surface on: as others do where that lets light on, and no more is aimed at pools then.
+    fn settle(&mut self, lets_on: bool) -> f64 {
+        let share = if lets_on { self.others } else { self.places };
+        (self.places, self.others) = (1.0, 1.0);
+        share
     }
 }
 

@@ -286,9 +286,15 @@ fn sine(spread: f64) -> f64 {
 /// For a sphere seen from outside: its centre, and 1 − cos of the half angle it subtends.
 fn cap(shape: &Shape, from: Vec3) -> Option<(Vec3, f64)> {
     let Shape::Sphere(sphere) = shape else { return None };
-    let sin2 = sphere.radius * sphere.radius / sphere.center.distance_squared(from);
-    // 1 − cos without cancellation for a small sphere.
-    (sin2 < 1.0 && !sphere.inward).then(|| (sphere.center, sin2 / (1.0 + (1.0 - sin2).sqrt())))
+    let spread = subtended(sphere.center, sphere.radius, from)?;
+    (!sphere.inward).then_some((sphere.center, spread))
+}
+
+/// 1 − cos of the half angle that a ball subtends; `None` from within.
+pub fn subtended(center: Vec3, radius: f64, from: Vec3) -> Option<f64> {
+    let sin2 = radius * radius / center.distance_squared(from);
+    // 1 − cos without cancellation for a small ball.
+    (sin2 < 1.0).then(|| sin2 / (1.0 + (1.0 - sin2).sqrt()))
 }
 
 /// The most parts that a light is divided into.

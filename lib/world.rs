@@ -10,10 +10,13 @@ mod globes;
 mod hidden;
 mod layers;
 mod open;
+mod pools;
 
 pub use clip::Clip;
+pub use hidden::Lit;
 pub use layers::{Coming, Emission, Emitter, Layer};
 pub use open::Open;
+pub use pools::{MOST_POOLS, Pool};
 
 use crate::accel::{Accel, Hit};
 use crate::environment::Environment;
@@ -41,6 +44,8 @@ pub struct World {
     probes: Option<Probes>,
     /// What the view that it was surveyed for has of the environment, if that is much.
     open: Option<Open>,
+    /// Where much of the light of what it shows comes from, if that is from small places.
+    pools: Vec<Pool>,
     transparent: bool,
     /// Whether there are surfaces that bend what passes them, but not what is aimed.
     bends: bool,

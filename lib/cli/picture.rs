@@ -3,6 +3,7 @@
 use super::{Answer, Console, Disk, Outcome, Output, film, interrupted, view, world};
 use crate::args::rtrace::Arguments;
 use crate::error::Error;
+use crate::integrator::survey;
 use crate::rays::lengths;
 use crate::render::{Film, Task, coverage, features, part, render};
 use crate::rules::Rules;
@@ -20,7 +21,7 @@ pub fn rendered(args: &Arguments, rules: &Rules, disk: &Disk, start: Instant, co
     let budget = args.accuracy.budget()?;
     let aovs = options.aov.as_ref().map(|words| film::aovs(&words[0])).transpose()?;
     let mut world = world(args, rules, disk, console)?;
-    world.survey(film.some_rays(), rules);
+    survey(&mut world, film.some_rays(), rules);
 
     let lens = film.lens();
     let task = Task {

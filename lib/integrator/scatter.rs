@@ -32,11 +32,16 @@ struct Ways {
     counts: [f64; 4],
     /// The same, without the parts whose samples may go another way than what is aimed in their direction.
     aims: [f64; 4],
+    /// The expected number of directions of each part that are aimed at pools of light.
+    pools: [f64; 4],
     /// The probability of each way, 1 if all are taken.
     share: [f64; 6],
     /// The one that is taken; all if `None`.
     chosen: Option<usize>,
 }
+
+/// How often a direction is aimed at a pool of light instead of drawn from a part, where one is taken.
+const POOLS: f64 = 0.5;
 
 impl Ways {
     fn take(&self, way: usize) -> bool {
@@ -85,7 +90,8 @@ impl<B: Clone> Integrator<'_, B> {
     /// How to go on from a surface: in every way there is while nothing was left to chance, else in one, chosen in proportion to what it carries.
     fn ways<T: Transport<Beta = B>>(&mut self, transport: &mut T, vertex: &mut Vertex<T>) -> Ways {
         let (surface, at) = (&*vertex.surface, vertex.at);
-        let mut ways = Ways { weights: surface.weights(), counts: [0.0; 4], aims: [0.0; 4], share: [1.0; 6], chosen: None };
+        let mut ways =
+            Ways { weights: surface.weights(), counts: [0.0; 4], aims: [0.0; 4], pools: [0.0; 4], share: [1.0; 6], chosen: None };
         let last = self.rules.limit_reflections.is_some_and(|most| most > 0 && at.level >= most);
         if at.bounces >= self.rules.ambient_bounces || last || !vertex.layer.gathers {
             for side in 0..2 {
@@ -103,10 +109,15 @@ impl<B: Clone> Integrator<'_, B> {
                 ways.chosen = Some(self.choose(&mut vertex.sampler, &ways.share));
             }
         }
+        let pools = if self.world.has_pools() { POOLS } else { 0.0 };
         for part in Part::ALL {
             let k = part as usize;
             if ways.weights[k] > 0.0 && self.spread(part, surface.bsdf()).is_none() {
-                ways.counts[k] = if vertex.exact { 1.0 } else { ways.share[2 + k] / surface.ways(part) as f64 };
+                (ways.counts[k], ways.pools[k]) = if vertex.exact {
+                    (1.0, f64::from(self.world.has_pools()))
+                } else {
+                    (ways.share[2 + k] * (1.0 - pools) / surface.ways(part) as f64, ways.share[2 + k] * pools)
+                };
             }
         }
         ways.aims = ways.counts;
@@ -162,7 +173,8 @@ impl<B: Clone> Integrator<'_, B> {
     ) {
         let k = part as usize;
         let weight = self.factor(ways.weights[k], ways.share[2 + k]);
-        let mut from = Scattered { origin: vertex.at.ray.origin, direction: Vec3::ZERO, density: 0.0, lamps: 0.0, shared: false };
+        let origin = vertex.at.ray.origin;
+        let mut from = Scattered::from(origin);
         if let Some(spread) = self.spread(part, vertex.surface.bsdf()) {
             let mut sampler = vertex.sampler.fork();
             self.outcome.random |= spread > 0.0;
@@ -184,6 +196,12 @@ impl<B: Clone> Integrator<'_, B> {
             Some(((self.draw(&mut vertex.sampler)[0] * count as f64) as usize).min(count - 1))
         };
         from.shared = ways.aims[k] > 0.0;
+        if ways.pools[k] > 0.0 && (vertex.exact || self.draw(&mut vertex.sampler)[0] < POOLS) {
+            self.aim_at_pool(transport, vertex, &next, ways);
+            if !vertex.exact {
+                return;
+            }
+        }
         let mut other = None;
         for way in (0..count).filter(|&w| only.is_none_or(|o| o == w)) {
             // Two ways look to opposite sides of the lobe: what only tilts across it cancels (Hammersley and Morton 1956).
@@ -204,13 +222,31 @@ impl<B: Clone> Integrator<'_, B> {
             };
             let carried;
             (carried, from.density) = transport.drawn(vertex.beta, vertex.surface, wi, part, way, ways.counts[k]);
+            if ways.pools[k] > 0.0 {
+                from.places = from.density / (from.density + ways.pools[k] * self.world.pool_pdf(origin, from.direction));
+            }
             self.send(transport, vertex, carried, from, &next);
         }
         if vertex.exact
             && let Some((carried, wi, density)) = transport.control(vertex.beta, vertex.surface, part, ways.counts[k])
         {
-            (from.direction, from.density, from.lamps) = (vertex.surface.bsdf().to_world(wi), density, 0.0);
+            (from.direction, from.density, from.lamps, from.places) = (vertex.surface.bsdf().to_world(wi), density, 0.0, 1.0);
             self.send(transport, vertex, carried, from, &next);
+        }
+    }
+
+    /// Sends a path toward a pool of light.
+    fn aim_at_pool<T: Transport<Beta = B>>(&mut self, transport: &mut T, vertex: &mut Vertex<T>, next: &Next, ways: &Ways) {
+        let (origin, k) = (vertex.at.ray.origin, next.part as usize);
+        let (u, v) = (self.draw(&mut vertex.sampler), self.draw(&mut vertex.sampler));
+        let Some((direction, pdf)) = self.world.sample_pool(origin, v[0], u) else { return };
+        let wi = vertex.surface.bsdf().to_local(direction);
+        let mut counts = [0.0; 4];
+        counts[k] = ways.counts[k];
+        let carried = transport.aimed(vertex.beta, vertex.surface, wi, Arriving::Indirect, ways.pools[k] * pdf, &counts);
+        if transport.size(&carried) > 0.0 {
+            let from = Scattered { direction, others: 0.0, ..Scattered::from(origin) };
+            self.send(transport, vertex, carried, from, next);
         }
     }
 

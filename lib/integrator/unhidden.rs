@@ -75,7 +75,7 @@ mod tests {
         let scene = Scene::new(&expand(vec![document], &files).unwrap(), &files, &Reading::default()).unwrap();
         let mut world = World::new(scene, &rules).unwrap();
         let ray = Ray::new(Vec3::new(0.1, 0.2, 3.0), -Vec3::Z);
-        world.survey(std::iter::repeat_n(ray, 16), &rules);
+        world.survey(&[ray; 16], &rules);
         let hit = world.nearest(&ray, f64::INFINITY).unwrap();
         let coming = Coming::viewer(&ray);
         world.layers(&hit, &coming, &rules, &mut |layer| {

@@ -315,8 +315,11 @@ impl<'a, const L: usize> Transport for Tagging<'a, L> {
                     // What does not pass is not drawn.
                     let drawn = if shape.passes(wi) { count * density } else { 0.0 };
                     let scale = (1.0 / (pdf + drawn)) as f32;
-                    // A path is a single term until it is aimed at a light.
                     *slot = self.met(beta, surface, part, |l| values[l] * scale);
+                }
+                // A path is a single term, the first, until it is aimed at a light.
+                if next.terms[0].is_none() {
+                    next.terms.swap(0, 1);
                 }
                 next
             }

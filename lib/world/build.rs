@@ -49,6 +49,7 @@ impl World {
             environment: None,
             probes: None,
             open: None,
+            pools: Vec::new(),
             transparent: !rules.back_visible,
             bends: false,
             gathers: Vec::new(),

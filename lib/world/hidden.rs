@@ -17,10 +17,11 @@ const MOST_RAYS: usize = 16_000;
 const MOST_PASSED: usize = 8;
 
 /// A place of a surface that is looked at.
-struct Lit {
-    place: Vec3,
+pub struct Lit {
+    /// Where it is.
+    pub place: Vec3,
     /// Its unit normal on the side it is seen from, unless it lets light on.
-    normal: Option<Vec3>,
+    pub normal: Option<Vec3>,
 }
 
 impl World {
@@ -54,7 +55,8 @@ impl World {
         first.into_iter().chain(second)
     }
 
-    fn met(&self, ray: &Ray) -> Option<Lit> {
+    /// Where a ray ends.
+    pub fn met(&self, ray: &Ray) -> Option<Lit> {
         let hit = self.nearest(ray, f64::INFINITY)?;
         let facing = if hit.normal.dot(ray.direction) < 0.0 { hit.normal } else { -hit.normal };
         Some(Lit { place: hit.point, normal: (!self.ends_in(self.find(&hit).chain, Material::nominally_transparent)).then_some(facing) })
@@ -123,7 +125,8 @@ mod tests {
         let scene = Scene::new(&expand(vec![document], &files).unwrap(), &files, &Reading::default()).unwrap();
         let mut world = World::new(scene, &rules).unwrap();
         let direction = |i: usize| Frame::around(-Vec3::Z).to_world(cosine_hemisphere(lattice(i)));
-        world.survey((0..200).map(|i| Ray::new(Vec3::new(2.0, 2.0, 1.5), direction(i))), &rules);
+        let rays: Vec<Ray> = (0..200).map(|i| Ray::new(Vec3::new(2.0, 2.0, 1.5), direction(i))).collect();
+        world.survey(&rays, &rules);
         let chance = |is_sun: bool| world.lamps().iter().find(|lamp| (lamp.brightness > 1e3) == is_sun).unwrap().chance;
         [chance(true), chance(false)]
     }

@@ -29,11 +29,10 @@ const ROWS: usize = 2 * ENVIRONMENT_ROWS;
 
 impl World {
     /// Finds out how open the surfaces that `rays` see are to the environment, and which lamps these have in sight.
-    pub fn survey(&mut self, rays: impl Iterator<Item = Ray>, rules: &Rules) {
-        let rays: Vec<Ray> = rays.collect();
-        self.look_for_lamps(&rays);
+    pub fn survey(&mut self, rays: &[Ray], rules: &Rules) {
+        self.look_for_lamps(rays);
         if self.has_environment() {
-            let share = self.reached(&rays, rules);
+            let share = self.reached(rays, rules);
             self.open = (share >= LEAST).then(|| Open { share, panoramas: self.panoramas() });
         }
     }
