@@ -229,13 +229,14 @@ impl<R: BufRead> Reader<R> {
         Ok(if word.is_empty() { None } else { Some(word) })
     }
 
-    /// The next bytes; `None` at the end, or if too few are left.
+    /// The next bytes; `None` at the end.
     fn bytes<const N: usize>(&mut self) -> Result<Option<[u8; N]>> {
         let mut bytes = [0; N];
-        for byte in &mut bytes {
+        for (i, byte) in bytes.iter_mut().enumerate() {
             match self.byte()? {
                 Some(b) => *byte = b,
-                None => return Ok(None),
+                None if i == 0 => return Ok(None),
+                None => return Err(self.wrong("the input ends within a number")),
             }
         }
         Ok(Some(bytes))
@@ -319,6 +320,8 @@ mod tests {
             let error = read(Reader::new(text.as_bytes(), Form::Ascii)).unwrap_err();
             assert!(error.message.contains(wanted), "{}", error.message);
         }
+        let error = read(Reader::new(&[1; 26][..], Form::Single)).unwrap_err();
+        assert!(error.message.contains("<stdin>: ray 2: the input ends within a number"), "{}", error.message);
     }
 
     #[test]

@@ -235,6 +235,16 @@ impl Evidence<'_> {
         self.pixels_in_parts((self.film.width * self.film.height).div_ceil(LARGE), unknown, material)
     }
 
+    /// The same; errors if the picture is black in all.
+    pub fn telling_pixels(&self, unknown: &Unknown, material: MaterialId) -> Result<Vec<usize>> {
+        let pixels = self.enough_pixels(unknown, material)?;
+        if pixels.iter().all(|&n| dead::black(self, n)) {
+            let remedy = "check that it is the right one, and the view and the mask";
+            return Err(Error::new(format!("the picture is black wherever it shows `{}`: {remedy}", unknown.material().name)));
+        }
+        Ok(pixels)
+    }
+
     /// The same of a picture in so many parts, of as many parts as have enough.
     fn pixels_in_parts(&self, parts: usize, unknown: &Unknown, material: MaterialId) -> Result<Vec<usize>> {
         // What is seen behind the unknown is not in an illumination field.
@@ -318,11 +328,7 @@ pub fn recover(evidence: &Evidence, unknown: &Unknown, material: MaterialId, eff
     let mut film = evidence.film.clone();
     let once = |film: &Film, effort: Effort| {
         let evidence = Evidence { film, ..*evidence };
-        let pixels = evidence.enough_pixels(unknown, material)?;
-        if pixels.iter().all(|&n| evidence.target.pixels[n] == [0.0; 3]) {
-            let remedy = "check that it is the right one, and the view and the mask";
-            return Err(Error::new(format!("the picture is black wherever it shows `{}`: {remedy}", unknown.material().name)));
-        }
+        let pixels = evidence.telling_pixels(unknown, material)?;
         let (saturated, pixels) = if effort.wary { saturated::apart(&evidence, pixels) } else { (vec![], pixels) };
         let found = match Kind::named(&unknown.material().kind) {
             Some(kind) => polished::recover(&Sought { evidence: &evidence, unknown, material, kind, pixels: &pixels }, effort, tell),

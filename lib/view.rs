@@ -20,8 +20,9 @@ pub fn option_values(name: &str) -> Option<usize> {
 /// Programs whose command lines in a header hold view options, and the mark of a line that holds nothing else. What begins so counts.
 const VIEW_LINES: [&str; 8] = ["VIEW=", "rpict", "rvu", "rpiece", "rxpiece", "pinterp", "rview", "rtrace-rs"];
 
-/// Views are alike up to so much.
+/// Views are alike up to so much; their points up to what a header that was typed again may differ by.
 const ALIKE: f64 = 0.01;
+const SAME: f64 = 1e-3;
 
 /// The largest number of a view: of what is farther the squares overflow.
 const FARTHEST: f64 = 1e30;
@@ -141,11 +142,12 @@ impl View {
         view.apply_header(lines).then_some(view)
     }
 
-    /// Whether it shows about the same as another: nothing differs by more than a hundredth of itself or of the picture.
+    /// Whether it shows about the same as another: no point differs by more than a thousandth of itself, nothing else by more than a hundredth of itself or
+    /// of the picture.
     pub fn is_like(&self, other: &Self) -> bool {
         let alike = |a: f64, b: f64| (a - b).abs() <= ALIKE * a.abs().max(b.abs());
         self.kind == other.kind
-            && self.point.distance(other.point) <= ALIKE * (1.0 + self.point.length())
+            && self.point.distance(other.point) <= SAME * self.point.length()
             && self.direction.angle_between(other.direction) <= ALIKE
             && self.direction.cross(self.up).angle_between(other.direction.cross(other.up)) <= ALIKE
             && alike(self.horizontal, other.horizontal)

@@ -111,6 +111,13 @@ fn a_saturated_camera_is_found_out() {
     });
     assert!(out.contains("as where a camera is saturated"), "{out}");
     found(&out, &[("red", 0.6), ("green", 0.4), ("blue", 0.2)], 0.02);
+    // In one channel only.
+    let out = told_of(SCENE, |pixels| {
+        let most = most(pixels);
+        pixels.iter_mut().for_each(|p| p[0] = p[0].min(0.7 * most));
+    });
+    assert!(out.contains("as where a camera is saturated"), "{out}");
+    found(&out, &[("red", 0.6), ("green", 0.4), ("blue", 0.2)], 0.02);
     // The side of a box in the sun has one value too, and is as it should be.
     let boxed = "void light sun 0 0 3 3e4 3e4 3e4\nsun source sun 0 0 4 -1 -3 2 .5\nvoid glow sky 0 0 4 .1 .1 .1 0\nsky source sky 0 0 4 0 0 1 360\n\
                  !genbox it box 1 1 1 | xform -t -.5 -.5 -.5 -rz 30\n";

@@ -6,8 +6,9 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
-const LIGHT: &str = "void brightfunc wave 2 1+.8*sin(9*Dx)*sin(7*Dz+Dy) . 0 0\nwave glow sky 0 0 4 1 1.1 1.2 0\nsky source sky 0 0 4 0 0 1 360\n\
-                     void light bulb 0 0 3 200 200 200\nbulb sphere lamp 0 0 4 -3 -4 4 .3\n";
+const SKY: &str =
+    "void brightfunc wave 2 1+.8*sin(9*Dx)*sin(7*Dz+Dy) . 0 0\nwave glow sky 0 0 4 1 1.1 1.2 0\nsky source sky 0 0 4 0 0 1 360\n";
+const BULB: &str = "void light bulb 0 0 3 200 200 200\nbulb sphere lamp 0 0 4 -3 -4 4 .3\n";
 const BALL: &str = "it sphere s 0 0 4 0 0 0 1\n";
 const VIEW: &str = "-vp 0 -5 1 -vd 0 1 -.2 -vh 26 -vv 26 -ab 2";
 
@@ -43,7 +44,7 @@ fn predicted_as_recovered(material: &str, start: &str) {
     let path = directory.path();
     fs::write(path.join("true.rad"), format!("void {material}\n")).unwrap();
     fs::write(path.join("start.rad"), format!("void {start}\n")).unwrap();
-    fs::write(path.join("scene.rad"), format!("{LIGHT}{BALL}")).unwrap();
+    fs::write(path.join("scene.rad"), format!("{SKY}{BULB}{BALL}")).unwrap();
     let printed = anneal(path, &format!("{VIEW} --predict -x 48 -y 48 --scene scene.rad true.rad"));
     assert!(
         printed.contains("# predicted for a picture of 48 x 48 pixels, ") && printed.ends_with(&format!("void {material}\n")),
@@ -83,6 +84,24 @@ fn of_a_dielectric() {
 }
 
 #[test]
+fn of_a_mirror() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path();
+    fs::write(path.join("start.rad"), "void metal it 0 0 5 .8 .6 .3 .9 0\n").unwrap();
+    fs::write(path.join("scene.rad"), format!("{SKY}{BALL}")).unwrap();
+    let printed = anneal(path, &format!("{VIEW} --predict -x 40 -y 40 --scene scene.rad start.rad"));
+    run(env!("CARGO_BIN_EXE_rtrace-rs"), path, &format!("{VIEW} -x 40 -y 40 --spp 300 --seed 5 -o target.exr start.rad scene.rad"));
+    let found = told(&anneal(path, &format!("{VIEW} --target target.exr --scene scene.rad start.rad")));
+    let predicted = told(&printed);
+    // Any up to .001, of standard deviation .001/√3, and a little more by what a lobe may be.
+    for told in [&found, &predicted] {
+        let (name, rough, error) = told.last().unwrap();
+        assert!(name == "rough" && *rough == 0.0 && (0.0005..0.001).contains(error), "{told:?}");
+    }
+    assert!(found.iter().zip(&predicted).all(|(found, predicted)| (found.1 - predicted.1).abs() < 4.0 * predicted.2), "{found:?}");
+}
+
+#[test]
 fn a_lamp_would_help_where_the_light_is_even() {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path();
@@ -101,7 +120,7 @@ fn a_lamp_would_help_where_the_light_is_even() {
 fn what_is_missing_is_said() {
     let directory = tempfile::tempdir().unwrap();
     fs::write(directory.path().join("start.rad"), "void metal it 0 0 5 .8 .6 .3 .7 .2\n").unwrap();
-    fs::write(directory.path().join("scene.rad"), format!("{LIGHT}{BALL}")).unwrap();
+    fs::write(directory.path().join("scene.rad"), format!("{SKY}{BULB}{BALL}")).unwrap();
     let trouble = |arguments: &str| {
         let done = Command::new(env!("CARGO_BIN_EXE_anneal")).current_dir(directory.path()).args(arguments.split(' ')).output().unwrap();
         assert_eq!((done.status.code(), done.stdout.len()), (Some(2), 0));
@@ -115,5 +134,6 @@ fn what_is_missing_is_said() {
     let black = [b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 4 +X 4\n".as_slice(), &[0; 64]].concat();
     fs::write(directory.path().join("black.hdr"), black).unwrap();
     assert!(trouble("--scene scene.rad --target black.hdr -vp 0 -5 0 start.rad").contains("the picture is black wherever it shows `it`"));
+    assert!(trouble("--direct --scene scene.rad --target black.hdr -vp 0 -5 0 start.rad").contains("the picture is black wherever"));
     assert!(trouble("--predict --type auto --scene scene.rad -vp 0 -5 0 start.rad").contains("--type auto"));
 }

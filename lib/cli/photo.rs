@@ -11,6 +11,7 @@ use crate::args::anneal::{Arguments, Photo as PhotoOptions, Sharpness};
 use crate::color::Rgb;
 use crate::error::{Error, Result};
 use crate::expand::{Flat, expand};
+use crate::integrator::survey;
 use crate::metric::{self, Named};
 use crate::picture::{Header, Picture, shrunk};
 use crate::rad::{Class, Document, Number, Primitive};
@@ -24,7 +25,7 @@ use crate::scene::{MaterialId, Reading, Scene};
 use crate::unknown::Unknown;
 use crate::view::View;
 use crate::world::World;
-use std::collections::HashSet;
+use std::collections::{BTreeSet, HashSet};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -187,7 +188,14 @@ impl<'a> Photo<'a> {
             shrunk(&mask, self.film.width, width, height).into_iter().flatten().collect::<Vec<f32>>()
         });
         let evidence = Evidence { film: &film, target: &target, mask: mask.as_deref(), ..self.evidence() };
-        let pixels = evidence.pixels(&self.unknown, self.material)?;
+        // What is thin may fill no pixel of that size: those are shown then that its own are in.
+        let pixels = evidence.pixels(&self.unknown, self.material).or_else(|_| {
+            let own = self.evidence().enough_pixels(&self.unknown, self.material)?;
+            let scaled = |at: usize, from: usize, to: usize| at * to / from;
+            let shown =
+                |n: usize| scaled(n / self.width(), self.film.height, height) * width + scaled(n % self.width(), self.width(), width);
+            Ok::<_, Error>(own.into_iter().map(shown).collect::<BTreeSet<usize>>().into_iter().collect())
+        })?;
         let exposures = self.unknown.exposures(values);
         let mut rendering = setting.picture(&setting.world(&reals)?, &self.rules, &film, None);
         rendering.pixels.iter_mut().for_each(|p| (0..3).for_each(|c| p[c] *= exposures[c] as f32));
@@ -205,8 +213,8 @@ impl<'a> Photo<'a> {
         by(&self.world).map_or(Ok(None), |_| Ok(by(&self.setting().world(&self.unknown.reals(&found.values))?)))
     }
 
-    /// Leaves the pixels out that are black where by what was found there is light; says how many they are.
-    pub fn leave_out_dead(&mut self, found: &Recovery) -> Result<Option<String>> {
+    /// Leaves the pixels out that are black where by what was found there is light, if there is `time` to do without them; says how many they are.
+    pub fn leave_out_dead(&mut self, found: &Recovery, time: bool) -> Result<Option<String>> {
         let evidence = self.evidence();
         // Mostly there are none.
         if !(0..self.target.pixels.len()).any(|n| dead::black(&evidence, n)) {
@@ -220,10 +228,10 @@ impl<'a> Photo<'a> {
         }
         let world = self.setting().world(&self.unknown.reals(&found.values))?;
         let dead = dead::dead(&evidence, &world, found, black, self.seed);
-        for &n in &dead {
+        for &n in dead.iter().filter(|_| time) {
             self.mask.get_or_insert_with(|| vec![1.0; self.target.pixels.len()])[n] = 0.0;
         }
-        Ok(dead::said(&dead, self.film.width))
+        Ok(dead::said(&dead, self.film.width, time))
     }
 
     /// What is to be said of pixels that were left out as they seem saturated, if by what was found most of them should be brighter.
@@ -343,7 +351,7 @@ fn undefined_instead<'f>(flat: &'f Flat, name: &str) -> Option<&'f str> {
 fn surveyed(scene: Scene, rules: &Rules, unknown: MaterialId, film: &Film) -> Result<World> {
     let mut world = World::new(scene, rules)?;
     world.unknown = Some(unknown);
-    world.survey(film.some_rays(), rules);
+    survey(&mut world, film.some_rays(), rules);
     Ok(world)
 }
 

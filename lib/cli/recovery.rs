@@ -32,7 +32,7 @@ pub fn recover(start: &str, target: &str, arguments: &Arguments, console: &Conso
             // A flat surface that all is seen of tells more.
             let wary = saturated.is_some() || found.saturated.is_empty();
             let again = effort.affords_another(begin, 1);
-            let dead = if again { photo.leave_out_dead(&found)? } else { None };
+            let dead = photo.leave_out_dead(&found, again)?;
             if (dead.is_some() || !wary) && again {
                 found = recovered(&photo, Effort { around: Some(&found.values), wary, ..effort }, console)?;
             }

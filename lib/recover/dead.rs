@@ -43,12 +43,12 @@ fn median(numbers: impl Iterator<Item = f64>) -> Option<f64> {
     numbers.get(numbers.len() / 2).copied()
 }
 
-/// What is to be said of them in a picture so wide, if there are any.
-pub fn said(dead: &[usize], width: usize) -> Option<String> {
+/// What is to be said of them in a picture so wide, if there are any: whether they could be left out yet.
+pub fn said(dead: &[usize], width: usize, left_out: bool) -> Option<String> {
     let first = place(*dead.first()?, width);
+    let so = if left_out { "they are left out" } else { "they count here, as time is up: leave them out with --mask, or give more of it" };
     Some(format!(
-        "{} pixels, as that in {first}, are black where there is light, as a camera's dead ones are, or those that all exposures have too bright: \
-         they are left out",
+        "{} pixels, as that in {first}, are black where there is light, as a camera's dead ones are, or those that all exposures have too bright: {so}",
         dead.len()
     ))
 }

@@ -21,6 +21,18 @@ const ROUGH: f64 = 0.02;
 /// for it to be none; and nearer to it than to a lobe that may be of any roughness for it to be one.
 const FARTHER: f64 = 1.0;
 
+/// The roughness at which what moves that of a mirror is judged before there is a picture.
+pub const NEARLY: f64 = ROUGH;
+
+/// The variance of the roughness of a mirror by what moves that of a lobe, of this roughness, by this variance. Lobes blur by the square of their
+/// roughness: what seems to move it by e, in proportion to what a change does there, moves it from 0 to √(2 r e).
+pub fn smoothed(roughness: f64, variance: f64) -> f64 {
+    variance.min(2.0 * roughness * variance.sqrt())
+}
+
+/// The variance of a roughness that may be any up to [`PURE`].
+pub const SPREAD: f64 = PURE * PURE / 3.0;
+
 /// The place of the roughness among the real arguments.
 const ROUGHNESS: usize = 4;
 
@@ -60,9 +72,10 @@ pub fn recover(sought: &Sought, effort: Effort, tell: &dyn Fn(&str)) -> Result<R
     let seen = mirror.glance(effort, &near);
     let excess = seen.excess_but_one(&lobe);
     if excess < if likely { FARTHER } else { -FARTHER } {
+        let rough = |mirror: Recovery, slot: usize| with_roughness(mirror, slot, sought.unknown.bounds()[slot].0, &lobe, excess);
         let whole = |mirror: Recovery| match slot {
-            Some(slot) if likely => with_roughness(mirror, slot, &lobe, excess),
-            Some(slot) => or_else(with_roughness(mirror, slot, &lobe, excess), &found, excess),
+            Some(slot) if likely => rough(mirror, slot),
+            Some(slot) => or_else(rough(mirror, slot), &found, excess),
             None => mirror,
         };
         let told = |found: &Recovery| (effort.told)(&whole(found.clone()));
@@ -83,10 +96,11 @@ pub fn recover(sought: &Sought, effort: Effort, tell: &dyn Fn(&str)) -> Result<R
 }
 
 /// An unknown as one that is polished.
-struct Mirror {
-    unknown: Unknown,
+pub struct Mirror {
+    /// It, its roughness known.
+    pub unknown: Unknown,
     /// The place of the roughness among its parameters before, if it was one.
-    slot: Option<usize>,
+    pub slot: Option<usize>,
     /// Whether it may well be so: else what was found of the roughness only leaves it open.
     likely: bool,
 }
@@ -114,12 +128,36 @@ impl Mirror {
                 (unknown.knowing(slot, 0.0)?, likely)
             }
         };
-        let unknown = match mirror.slots()[SPECULARITY] {
-            Some(slot) => (mirror.bounds()[slot].1 > FRESNEL_FROM).then(|| mirror.at_least(slot, FRESNEL_FROM)),
-            None => (mirror.reals(&mirror.start())[SPECULARITY] >= FRESNEL_FROM).then_some(mirror),
-        };
-        Some(Self { unknown: unknown?, slot: slots[ROUGHNESS], likely })
+        Some(Self { unknown: mirroring(mirror)?, slot: slots[ROUGHNESS], likely })
     }
+
+    /// The unknown so, if that is how it starts.
+    pub fn at_start(unknown: &Unknown, kind: Kind) -> Option<Self> {
+        if kind.anisotropic || !starts_polished(unknown) {
+            return None;
+        }
+        let slot = unknown.slots()[ROUGHNESS];
+        let mirror = slot.map_or_else(|| Some(unknown.clone()), |slot| unknown.knowing(slot, 0.0))?;
+        Some(Self { unknown: mirroring(mirror)?, slot, likely: true })
+    }
+}
+
+/// What is polished, and mirrors as much as there is a Fresnel term from; `None` if it mirrors less.
+fn mirroring(polished: Unknown) -> Option<Unknown> {
+    match polished.slots()[SPECULARITY] {
+        Some(slot) => (polished.bounds()[slot].1 > FRESNEL_FROM).then(|| polished.at_least(slot, FRESNEL_FROM)),
+        None => (polished.reals(&polished.start())[SPECULARITY] >= FRESNEL_FROM).then_some(polished),
+    }
+}
+
+/// A covariance with that of one value more at a place, which goes with no other.
+pub fn with_one_more(matrix: &Symmetric, slot: usize, own: f64) -> Symmetric {
+    let place = |i: usize| if i < slot { Some(i) } else { i.checked_sub(1).filter(|i| *i >= slot) };
+    Symmetric::of(matrix.size() + 1, |i, j| match (place(i), place(j)) {
+        (Some(i), Some(j)) => matrix.at(i, j),
+        _ if i == j => own,
+        _ => 0.0,
+    })
 }
 
 /// The odds of a lobe where pixels are by `excess` standard errors farther from a mirror.
@@ -136,22 +174,18 @@ fn or_else(mirror: Recovery, lobe: &Recovery, excess: f64) -> Recovery {
     Recovery { covariance, ..mirror }
 }
 
-/// What was found of a mirror, with a roughness among its values: any up to [`PURE`], or that of the lobe, as likely as that is where pixels are by
+/// What was found of a mirror, with a roughness among its values, the `least` there may be: any up to [`PURE`], or that of the lobe, as likely as that is where pixels are by
 /// `excess` standard errors farther from the mirror. Errors that pixels have in common may make one of a lobe, and move it as far as that one's.
-fn with_roughness(found: Recovery, slot: usize, lobe: &Recovery, excess: f64) -> Recovery {
-    let variance = PURE * PURE / 3.0 + odds(excess) * (lobe.values[slot].powi(2) + lobe.covariance.at(slot, slot));
-    let with = |matrix: &Symmetric, own: f64| {
-        let place = |i: usize| if i < slot { Some(i) } else { i.checked_sub(1).filter(|i| *i >= slot) };
-        Symmetric::of(matrix.size() + 1, |i, j| match (place(i), place(j)) {
-            (Some(i), Some(j)) => matrix.at(i, j),
-            _ if i == j => own,
-            _ => 0.0,
-        })
-    };
-    let (covariance, own, common) =
-        (with(&found.covariance, variance), with(&found.own, 0.0), with(&found.common, lobe.common.at(slot, slot)));
+fn with_roughness(found: Recovery, slot: usize, least: f64, lobe: &Recovery, excess: f64) -> Recovery {
+    let variance = SPREAD + odds(excess) * (lobe.values[slot].powi(2) + smoothed(lobe.values[slot], lobe.covariance.at(slot, slot)));
+    let with = |matrix: &Symmetric, own: f64| with_one_more(matrix, slot, own);
+    let (covariance, own, common) = (
+        with(&found.covariance, variance),
+        with(&found.own, 0.0),
+        with(&found.common, smoothed(lobe.values[slot], lobe.common.at(slot, slot))),
+    );
     let inserted = |values: &[f64], value: f64| [&values[..slot], &[value], &values[slot..]].concat();
-    let (values, clarity) = (inserted(&found.values, 0.0), inserted(&found.clarity, 1.0));
+    let (values, clarity) = (inserted(&found.values, least.max(0.0)), inserted(&found.clarity, 1.0));
     Recovery { values, clarity, covariance, own, common, ..found }
 }
 

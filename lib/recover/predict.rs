@@ -3,6 +3,7 @@
 use super::doubts::Known;
 use super::look::Model;
 use super::model::Kind;
+use super::polished::{Mirror, NEARLY, SPREAD, smoothed, with_one_more};
 use super::rough::{self, Sought};
 use super::scores::{Evaluation, Scores};
 use super::seen::scattered;
@@ -61,7 +62,10 @@ pub fn predict(evidence: &Evidence, unknown: &Unknown, material: MaterialId, see
     match Kind::named(&unknown.material().kind) {
         Some(kind) => {
             let sought = Sought { evidence, unknown, material, kind, pixels };
-            by(&mut rough::near_start(&sought), evidence, unknown, [pixels, &all], seed)
+            match Mirror::at_start(unknown, kind) {
+                Some(mirror) => of_a_mirror(&sought, &mirror, &all, seed),
+                None => by(&mut rough::near_start(&sought), evidence, unknown, [pixels, &all], seed),
+            }
         }
         None => {
             let through = clear::Through::new(evidence, unknown, material);
@@ -70,6 +74,20 @@ pub fn predict(evidence: &Evidence, unknown: &Unknown, material: MaterialId, see
             Ok(Prediction { covariance: found.covariance.scaled(&rates), common: found.common.scaled(&rates), ..found })
         }
     }
+}
+
+/// What all pixels would tell of what starts polished.
+fn of_a_mirror(sought: &Sought, mirror: &Mirror, all: &[usize], seed: u64) -> Result<Prediction> {
+    let predicted = |unknown: &Unknown, kind: Kind| {
+        let sought = Sought { unknown, kind, ..*sought };
+        by(&mut rough::near_start(&sought), sought.evidence, unknown, [sought.pixels, all], seed)
+    };
+    let found = predicted(&mirror.unknown, Kind { polished: true, ..sought.kind })?;
+    let Some(slot) = mirror.slot else { return Ok(found) };
+    let lobe = predicted(&sought.unknown.at_least(slot, NEARLY), sought.kind)?;
+    let moved = |matrix: &Symmetric| smoothed(NEARLY, matrix.at(slot, slot));
+    let covariance = with_one_more(&found.covariance, slot, SPREAD + moved(&lobe.covariance));
+    Ok(Prediction { covariance, common: with_one_more(&found.common, slot, moved(&lobe.common)), ..found })
 }
 
 /// What all pixels would tell, by some of them.

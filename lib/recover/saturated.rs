@@ -47,8 +47,8 @@ fn plateau(evidence: &Evidence, pixels: &[usize], channel: usize) -> Vec<Saturat
     if is_one { flat.into_iter().map(|n| (n, channel)).collect() } else { vec![] }
 }
 
-/// What is to be said of pixels that seem saturated, if most of them should be brighter in a world where the unknown is as it was found, in a picture
-/// of these exposures.
+/// What is to be said of pixels that seem saturated, if most of those of a channel should be brighter in a world where the unknown is as it was found,
+/// in a picture of these exposures.
 pub fn confirmed(evidence: &Evidence, world: &World, saturated: &[Saturated], exposures: [f64; 3], seed: u64) -> Option<String> {
     let numbers: Vec<usize> = saturated.iter().map(|&(n, _)| n).collect();
     let rendering = evidence.rendered(world, &numbers, seed);
@@ -56,12 +56,14 @@ pub fn confirmed(evidence: &Evidence, world: &World, saturated: &[Saturated], ex
         let photographed = f64::from(evidence.target.pixels[*n][*c]);
         (exposures[*c] * pixel.mean()[*c] > BRIGHTER * photographed).then_some(*n)
     };
-    let mut brighter: Vec<usize> = saturated.iter().zip(&rendering.pixels).filter_map(brighter).collect();
-    let surely = 2 * brighter.len() > numbers.len();
+    let of = |channel: usize| {
+        let flat = || saturated.iter().zip(&rendering.pixels).filter(|((_, c), _)| *c == channel);
+        let brighter: Vec<usize> = flat().filter_map(brighter).collect();
+        if 2 * brighter.len() > flat().count() { brighter } else { vec![] }
+    };
     // One may be so in several channels.
-    brighter.sort_unstable();
-    brighter.dedup();
-    brighter.first().filter(|_| surely).map(|n| {
+    let brighter: BTreeSet<usize> = (0..3).flat_map(of).collect();
+    brighter.first().map(|n| {
         format!(
             "{} pixels, as that in {}, have the largest value of their channel, and should be brighter, as where a camera is saturated: they and \
              those beside them are left out",

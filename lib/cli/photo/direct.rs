@@ -21,9 +21,9 @@ pub struct Direct<'p, 'a> {
 }
 
 impl<'p, 'a> Direct<'p, 'a> {
-    /// Over the pixels that show the unknown.
+    /// Over the pixels that show the unknown, or enough of them.
     pub fn new(photo: &'p Photo<'a>, loss: Loss) -> Result<Self> {
-        let pixels = photo.evidence().pixels(&photo.unknown, photo.material)?;
+        let pixels = photo.evidence().telling_pixels(&photo.unknown, photo.material)?;
         let sum: f64 = pixels.iter().flat_map(|&number| photo.target.pixels[number]).map(f64::from).sum();
         let average = sum / (3 * pixels.len()) as f64;
         Ok(Self { photo, pixels, average, loss })
