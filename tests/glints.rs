@@ -18,7 +18,7 @@ fn hartmanns_constant_stays_apart_from_the_index() {
     let directory =
         photographed("dielectric it 0 0 5 .8 .7 .6 1.5 10", &SCENE.replace(",400,0)", ",4,0)"), "-x 48 -y 48 --spp 64 -ab 1 -o target.exr");
     std::fs::write(directory.path().join("start.rad"), "void dielectric it 0 0 5 .5 .5 .5 1.4 10\n").unwrap();
-    let out = recovered(directory.path(), "-ab 1 --fix hartmann --scene scene.rad --target target.exr start.rad");
+    let out = recovered(directory.path(), "-ab 1 --scene scene.rad --target target.exr start.rad");
     for (name, truth) in [("red", 0.8), ("green", 0.7), ("blue", 0.6), ("ior", 1.5)] {
         let (value, error) = said(&out, name);
         assert!((value - truth).abs() < 3.0 * error && error < 0.01, "{name}: {value} ± {error}, not {truth}");
@@ -33,7 +33,7 @@ fn the_unit_of_length_does_not_matter() {
         let sky = SCENE.split("it sphere").next().unwrap().replace(",400,0)", ",4,0)");
         let view = format!("-x 40 -y 40 --spp 256 -ab 1 -vp 0 {} {size} -o target.exr", -5.0 * size);
         let directory = photographed(&material, &format!("{sky}it sphere s 0 0 4 0 0 0 {size}\n"), &view);
-        let out = recovered(directory.path(), "-ab 1 --fix hartmann --scene scene.rad --target target.exr start.rad");
+        let out = recovered(directory.path(), "-ab 1 --scene scene.rad --target target.exr start.rad");
         for (name, truth) in ["red", "green", "blue"].into_iter().zip(truth) {
             let (value, error) = said(&out, name);
             assert!((value - truth).abs() < 3.0 * error && error < 0.02 * (1.0 - truth), "{size}: {name}: {value} ± {error}, not {truth}");
@@ -49,7 +49,7 @@ fn clear_glass_is_not_too_dark() {
     for seed in 0..PHOTOGRAPHS {
         let view = format!("-x 48 -y 48 --spp 16 --seed {} -ab 1 -o target.exr", 100 + seed);
         let directory = photographed("dielectric it 0 0 5 .95 .9 .8 1.5 0", SCENE, &view);
-        let arguments = "-ab 1 --fix ior --fix hartmann --scene scene.rad --target target.exr start.rad";
+        let arguments = "-ab 1 --fix ior --scene scene.rad --target target.exr start.rad";
         let out = recovered(directory.path(), arguments);
         for (sum, (name, truth)) in sums.iter_mut().zip([("red", 0.95), ("green", 0.9), ("blue", 0.8)]) {
             let (value, error) = said(&out, name);

@@ -169,7 +169,7 @@ def of_anneal(scene):
         open(start, "w").write(f"void {scene.kind} {scene.modifier}\n0\n0\n5 {' '.join(first)}\n")
         big = ["-x", "128", "-y", "128", "-ab", "2"]
         run(["rtrace-rs", "-q", "-vf", scene.view, *big, "--spp", "256", "--seed", "1", "-o", target, scene.material, *scene.files], scene.cwd)
-        parameters = sum((["--param", w] for w in starts.split()), []) + (["--fix", "hartmann"] if scene.kind == "dielectric" else [])
+        parameters = sum((["--param", w] for w in starts.split()), [])
         scenes = sum((["--scene", f] for f in scene.files), [])
         for limit in TIMES:
             command = ["anneal", "-q", "-n", "1", "-ab", "2", *scenes, "-vf", scene.view, "--target", target, *parameters, "--time", limit, start]

@@ -69,7 +69,7 @@ def trial(number):
         run("rtrace-rs", "-q", "-vf", "view.vf", "-x", "64", "-y", "64", "-ab", "2", "--spp", noise, "--seed", str(number), "-o", "target.hdr",
             "true.rad", "scene.rad")
         look = ["anneal", "-q", "-ab", "2", "--scene", "scene.rad", "-vf", "view.vf", "--target", "target.hdr", "--time", SECONDS]
-        found = run(*look, *(["--fix", "hartmann"] if kind == "dielectric" else []), "start.rad")
+        found = run(*look, "start.rad")
         typed = run(*look, "--type", "auto", "plastic.rad")
     said = {m[1]: (float(m[2]), float(m[3])) for m in re.finditer(r"^# (\w+) (\S+) ± ([0-9.e-]+)", found, re.M)}
     off = {name: (said[name][0] - true) / said[name][1] for name, true in zip(NAMES[kind].split(), numbers) if name in said}

@@ -8,10 +8,12 @@ use crate::sampling::{Sampler, cosine_hemisphere, lattice};
 use crate::vector::{Frame, Vec3};
 use crate::world::{MOST_POOLS, Pool, World};
 
-/// Directions that are looked in from each place at first, and where these show something bright.
-const LOOKS: [usize; 2] = [4, 40];
-/// The most directions together, times the lamps that what they show may be lit by.
+/// Directions that are looked in at first, and where these show something bright.
+const LOOKS: [usize; 2] = [2000, 40_000];
+/// The most, times the lamps that what they show may be lit by.
 const MOST_LOOKS: usize = 1_000_000;
+/// The part of the surfaces that must be in the shade.
+const SHADE: f64 = 0.02;
 /// How many times as bright as the mean of all directions a pool of light is.
 const BRIGHT: f64 = 8.0;
 /// How far the light of pools that a sample finds must spread, in terms of the mean of all light, for directions to be aimed at them.
@@ -24,11 +26,29 @@ const FEW: usize = 3;
 pub fn survey(world: &mut World, rays: impl Iterator<Item = Ray>, rules: &Rules) {
     let rays: Vec<Ray> = rays.collect();
     world.survey(&rays, rules);
-    let look = |count| found(world, &rays, rules, count);
+    // Gloss shows few samples what lies in its lobe, far brighter than it is.
+    let direct = Rules { ambient_bounces: 0, ambient_value: Rgb::ZERO, lights_visible: false, specular_threshold: 1.0, ..rules.clone() };
+    let shade = shade(world, &rays, &direct);
+    if (shade.len() as f64) < SHADE * rays.len() as f64 {
+        return;
+    }
+    let look = |count| found(world, &shade, count, &direct);
     let glance = look(LOOKS[0]);
     // Where all is dark at a glance, it may be too few directions.
     let pools = if spread(&bright_ones(&glance), &glance) { pools(&look(LOOKS[1])) } else { Vec::new() };
     world.aim_at(pools);
+}
+
+/// The places that rays see where no lamp shines, with the unit normals on the sides they are seen from.
+fn shade(world: &World, rays: &[Ray], direct: &Rules) -> Vec<(Vec3, Vec3)> {
+    let mut integrator = Integrator::new(world, direct);
+    let places = rays.iter().filter_map(|ray| world.met(ray).and_then(|lit| Some((lit.place, lit.normal?))));
+    let dark = |(i, (place, normal)): (usize, (Vec3, Vec3))| {
+        let mut transport = Radiance { rules: direct, sum: Rgb::ZERO };
+        integrator.irradiance(&mut transport, place, normal, Sampler::new(0, i as u64, 0, 0));
+        (transport.sum == Rgb::ZERO).then_some((place, normal))
+    };
+    places.enumerate().filter_map(dark).collect()
 }
 
 /// What a direction shows by the light that surfaces do not get from each other.
@@ -40,28 +60,20 @@ struct Found {
     far: f64,
 }
 
-/// What so many directions of the hemisphere of each place that rays see show, in proportion to the cosines, if no lamp shines there.
-fn found(world: &World, rays: &[Ray], rules: &Rules, count: usize) -> Vec<Found> {
-    let direct = Rules { ambient_bounces: 0, ambient_value: Rgb::ZERO, lights_visible: false, ..rules.clone() };
-    let mut integrator = Integrator::new(world, &direct);
-    let step = (rays.len() * count * (1 + world.lamps().len())).div_ceil(MOST_LOOKS);
-    let mut looks = Vec::new();
-    for (i, ray) in rays.iter().enumerate().step_by(step.max(1)) {
-        let Some((place, Some(normal))) = world.met(ray).map(|lit| (lit.place, lit.normal)) else { continue };
-        let mut transport = Radiance { rules: &direct, sum: Rgb::ZERO };
-        integrator.irradiance(&mut transport, place, normal, Sampler::new(0, i as u64, 0, 0));
-        if transport.sum != Rgb::ZERO {
-            continue;
-        }
-        for look in i * count..(i + 1) * count {
-            let ray = Ray { origin: place, direction: Frame::around(normal).to_world(cosine_hemisphere(lattice(look))) };
-            let there = world.met(&ray).filter(|lit| lit.normal.is_some()).map_or(place, |lit| lit.place);
-            let mut transport = Radiance { rules: &direct, sum: Rgb::ZERO };
-            integrator.trace(&mut transport, ray, f64::INFINITY, Sampler::new(0, look as u64, 0, 1));
-            looks.push(Found { place: there, radiance: bright(transport.sum), far: there.distance_squared(place) });
-        }
-    }
-    looks
+/// What about so many directions of the hemispheres of places show, in proportion to the cosines.
+fn found(world: &World, places: &[(Vec3, Vec3)], count: usize, direct: &Rules) -> Vec<Found> {
+    let mut integrator = Integrator::new(world, direct);
+    let each = count.min(MOST_LOOKS / (1 + world.lamps().len())).div_ceil(places.len().max(1));
+    let look = |number: usize| {
+        let (place, normal) = places[number / each];
+        let ray = Ray { origin: place, direction: Frame::around(normal).to_world(cosine_hemisphere(lattice(number))) };
+        let hit = world.nearest(&ray, f64::INFINITY);
+        let there = hit.as_ref().filter(|hit| !world.lets_on(hit)).map_or(place, |hit| hit.point);
+        let mut transport = Radiance { rules: direct, sum: Rgb::ZERO };
+        integrator.trace_on(&mut transport, ray, f64::INFINITY, hit.as_ref(), Sampler::new(0, number as u64, 0, 1));
+        Found { place: there, radiance: bright(transport.sum), far: there.distance_squared(place) }
+    };
+    (0..each * places.len()).map(look).collect()
 }
 
 /// The mean radiance that directions show.

@@ -306,20 +306,15 @@ impl<'a, const L: usize> Transport for Tagging<'a, L> {
                 }
                 let side = (wi.z < 0.0) as usize;
                 let parts = [Part::ALL[side], Part::ALL[2 + side]];
-                for (slot, part) in next.terms.iter_mut().zip(parts) {
+                // A path is a single term, the first, until it is aimed at a light.
+                let asked = parts.into_iter().filter(|part| counts[*part as usize] > 0.0 || arriving != Arriving::Indirect);
+                for (slot, part) in next.terms.iter_mut().zip(asked) {
                     let count = counts[part as usize];
-                    if count == 0.0 && arriving == Arriving::Indirect {
-                        continue;
-                    }
                     let (values, density) = self.shape(shape, part, wi, arriving);
                     // What does not pass is not drawn.
                     let drawn = if shape.passes(wi) { count * density } else { 0.0 };
                     let scale = (1.0 / (pdf + drawn)) as f32;
                     *slot = self.met(beta, surface, part, |l| values[l] * scale);
-                }
-                // A path is a single term, the first, until it is aimed at a light.
-                if next.terms[0].is_none() {
-                    next.terms.swap(0, 1);
                 }
                 next
             }

@@ -5,6 +5,7 @@
 //! if it is chosen in proportion to the root of the mean square, f √v (Owen 2013, "Monte Carlo theory, methods and examples", section 9.11).
 
 use super::World;
+use crate::accel::Hit;
 use crate::geometry::Ray;
 use crate::material::Material;
 use crate::sampling::{cosine_hemisphere, lattice};
@@ -59,7 +60,12 @@ impl World {
     pub fn met(&self, ray: &Ray) -> Option<Lit> {
         let hit = self.nearest(ray, f64::INFINITY)?;
         let facing = if hit.normal.dot(ray.direction) < 0.0 { hit.normal } else { -hit.normal };
-        Some(Lit { place: hit.point, normal: (!self.ends_in(self.find(&hit).chain, Material::nominally_transparent)).then_some(facing) })
+        Some(Lit { place: hit.point, normal: (!self.lets_on(&hit)).then_some(facing) })
+    }
+
+    /// Whether what was hit lets light on somewhere.
+    pub fn lets_on(&self, hit: &Hit) -> bool {
+        self.ends_in(self.find(hit).chain, Material::nominally_transparent)
     }
 
     /// Whether a lamp lights a place, in some direction to it; `None` where it never does, wherever other things are.
