@@ -2,7 +2,7 @@
 //!
 //! A path carries a throughput and hands each emission it meets to a [`Transport`], which says what the two make together: a colour
 //! ([`Radiance`]) or a term of the transport basis. Roughness is gathered part by part (diffuse or specular, reflected or transmitted):
-//! each part has samples of its own, weighted against those aimed at lamps and at the environment by the balance heuristic
+//! each part has samples of its own, weighted against those aimed at lamps, at the environment and at pools of light by the balance heuristic
 //! (Veach 1997, equation 9.8). Until the first random direction, all directions that a surface scatters into are followed; after that, one.
 
 mod radiance;

@@ -18,7 +18,7 @@ const SHADE: f64 = 0.02;
 const BRIGHT: f64 = 8.0;
 /// How far the light of pools that a sample finds must spread, in terms of the mean of all light, for directions to be aimed at them.
 const SPREAD: f64 = 1.0;
-/// So few directions are no pool.
+/// Fewer directions are no pool.
 const FEW: usize = 3;
 
 /// Finds out what the surfaces that `rays` see are lit by: how open they are to the environment, which lamps they have in sight, and whether much of
