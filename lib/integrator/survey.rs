@@ -150,21 +150,13 @@ fn apart(mut group: Vec<Found>, groups: &mut Vec<Vec<Found>>) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::error::Source;
-    use crate::expand::expand;
-    use crate::rad::Document;
-    use crate::resolve::Files;
-    use crate::scene::{Reading, Scene};
     use std::f64::consts::PI;
 
     /// A world of a text, surveyed from above a floor.
     fn world(text: &str) -> World {
-        let document = Document::parse(Source::new("scene.rad", text.to_string())).unwrap();
-        let (files, rules) = (Files::default(), Rules::default());
-        let scene = Scene::new(&expand(vec![document], &files).unwrap(), &files, &Reading::default()).unwrap();
-        let mut world = World::new(scene, &rules).unwrap();
+        let mut world = World::of(text);
         let rays = (0..1000).map(|i| Ray::new(Vec3::new(0.0, 0.0, 0.5), Frame::around(-Vec3::Z).to_world(cosine_hemisphere(lattice(i)))));
-        survey(&mut world, rays, &rules);
+        survey(&mut world, rays, &Rules::default());
         world
     }
 

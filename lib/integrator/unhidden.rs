@@ -56,13 +56,8 @@ impl<'a> Unhidden<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::error::Source;
-    use crate::expand::expand;
     use crate::geometry::Ray;
-    use crate::rad::Document;
-    use crate::resolve::Files;
     use crate::rules::Rules;
-    use crate::scene::{Reading, Scene};
     use crate::world::Coming;
 
     #[test]
@@ -70,10 +65,7 @@ mod tests {
         // No direction is aimed there: the light is brighter elsewhere.
         let text = "void brightfunc above 2 if(Dz-.9,9,1) . 0 0 above glow sky 0 0 4 1 1 1 0 sky source all 0 0 4 0 0 1 360
                     void plastic white 0 0 5 .5 .5 .5 0 0 white ring floor 0 0 8 0 0 0 0 0 1 0 1";
-        let document = Document::parse(Source::new("scene.rad", text.to_string())).unwrap();
-        let (files, rules) = (Files::default(), Rules::default());
-        let scene = Scene::new(&expand(vec![document], &files).unwrap(), &files, &Reading::default()).unwrap();
-        let mut world = World::new(scene, &rules).unwrap();
+        let (mut world, rules) = (World::of(text), Rules::default());
         let ray = Ray::new(Vec3::new(0.1, 0.2, 3.0), -Vec3::Z);
         world.survey(&[ray; 16], &rules);
         let hit = world.nearest(&ray, f64::INFINITY).unwrap();

@@ -24,12 +24,6 @@ const FARTHER: f64 = 1.0;
 /// The roughness at which what moves that of a mirror is judged before there is a picture.
 pub const NEARLY: f64 = ROUGH;
 
-/// The variance of the roughness of a mirror by what moves that of a lobe, of this roughness, by this variance. Lobes blur by the square of their
-/// roughness: what seems to move it by e, in proportion to what a change does there, moves it from 0 to √(2 r e).
-pub fn smoothed(roughness: f64, variance: f64) -> f64 {
-    variance.min(2.0 * roughness * variance.sqrt())
-}
-
 /// The variance of a roughness that may be any up to [`PURE`].
 pub const SPREAD: f64 = PURE * PURE / 3.0;
 
@@ -160,6 +154,12 @@ pub fn with_one_more(matrix: &Symmetric, slot: usize, own: f64) -> Symmetric {
     })
 }
 
+/// The variance of the roughness of a mirror by what moves that of a lobe, of this roughness, by this variance. Lobes blur by the square of their
+/// roughness: what seems to move it by e, in proportion to what a change does there, moves it from 0 to √(2 r e).
+pub fn smoothed(roughness: f64, variance: f64) -> f64 {
+    variance.min(2.0 * roughness * variance.sqrt())
+}
+
 /// The odds of a lobe where pixels are by `excess` standard errors farther from a mirror.
 fn odds(excess: f64) -> f64 {
     (-0.5 * excess.min(0.0).powi(2)).exp()
@@ -174,16 +174,14 @@ fn or_else(mirror: Recovery, lobe: &Recovery, excess: f64) -> Recovery {
     Recovery { covariance, ..mirror }
 }
 
-/// What was found of a mirror, with a roughness among its values, the `least` there may be: any up to [`PURE`], or that of the lobe, as likely as that is where pixels are by
-/// `excess` standard errors farther from the mirror. Errors that pixels have in common may make one of a lobe, and move it as far as that one's.
+/// What was found of a mirror, with a roughness among its values, the `least` there may be: any up to [`PURE`], or that of the lobe, as likely as
+/// that is where pixels are by `excess` standard errors farther from the mirror. Errors that pixels have in common may make one of a lobe, and move it
+/// as far as that one's.
 fn with_roughness(found: Recovery, slot: usize, least: f64, lobe: &Recovery, excess: f64) -> Recovery {
-    let variance = SPREAD + odds(excess) * (lobe.values[slot].powi(2) + smoothed(lobe.values[slot], lobe.covariance.at(slot, slot)));
+    let moved = |matrix: &Symmetric| smoothed(lobe.values[slot], matrix.at(slot, slot));
+    let variance = SPREAD + odds(excess) * (lobe.values[slot].powi(2) + moved(&lobe.covariance));
     let with = |matrix: &Symmetric, own: f64| with_one_more(matrix, slot, own);
-    let (covariance, own, common) = (
-        with(&found.covariance, variance),
-        with(&found.own, 0.0),
-        with(&found.common, smoothed(lobe.values[slot], lobe.common.at(slot, slot))),
-    );
+    let (covariance, own, common) = (with(&found.covariance, variance), with(&found.own, 0.0), with(&found.common, moved(&lobe.common)));
     let inserted = |values: &[f64], value: f64| [&values[..slot], &[value], &values[slot..]].concat();
     let (values, clarity) = (inserted(&found.values, least.max(0.0)), inserted(&found.clarity, 1.0));
     Recovery { values, clarity, covariance, own, common, ..found }

@@ -320,3 +320,19 @@ impl World {
         Ok(())
     }
 }
+
+#[cfg(test)]
+impl World {
+    /// The world of a text.
+    pub fn of(text: &str) -> Self {
+        use crate::error::Source;
+        use crate::expand::expand;
+        use crate::rad::Document;
+        use crate::resolve::Files;
+        use crate::scene::Reading;
+        let document = Document::parse(Source::new("scene.rad", text.to_string())).unwrap();
+        let files = Files::default();
+        let scene = Scene::new(&expand(vec![document], &files).unwrap(), &files, &Reading::default()).unwrap();
+        Self::new(scene, &Rules::default()).unwrap()
+    }
+}

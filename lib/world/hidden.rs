@@ -110,12 +110,7 @@ impl World {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::error::Source;
-    use crate::expand::expand;
-    use crate::rad::Document;
-    use crate::resolve::Files;
     use crate::rules::Rules;
-    use crate::scene::{Reading, Scene};
 
     /// The chances of the sun and of a bulb, seen from between them and a floor, with these walls.
     fn chances(walls: &str) -> [f64; 2] {
@@ -126,13 +121,10 @@ mod tests {
              wall ring floor 0 0 8 2 2 0 0 0 1 0 3
              {walls}\n"
         );
-        let document = Document::parse(Source::new("room.rad", text)).unwrap();
-        let (files, rules) = (Files::default(), Rules::default());
-        let scene = Scene::new(&expand(vec![document], &files).unwrap(), &files, &Reading::default()).unwrap();
-        let mut world = World::new(scene, &rules).unwrap();
+        let mut world = World::of(&text);
         let direction = |i: usize| Frame::around(-Vec3::Z).to_world(cosine_hemisphere(lattice(i)));
         let rays: Vec<Ray> = (0..200).map(|i| Ray::new(Vec3::new(2.0, 2.0, 1.5), direction(i))).collect();
-        world.survey(&rays, &rules);
+        world.survey(&rays, &Rules::default());
         let chance = |is_sun: bool| world.lamps().iter().find(|lamp| (lamp.brightness > 1e3) == is_sun).unwrap().chance;
         [chance(true), chance(false)]
     }
