@@ -14,6 +14,7 @@ mod enough;
 mod fit;
 mod foresight;
 mod gram;
+pub mod inside_out;
 mod look;
 mod misfit;
 pub mod model;
@@ -47,6 +48,7 @@ use rough::Sought;
 use saturated::Saturated;
 use serde::{Deserialize, Serialize};
 pub use sharpness::Blur;
+use sheet::COMMON;
 use std::time::Instant;
 
 /// What is known: the scene, the view, the picture.
@@ -183,6 +185,11 @@ impl Recovery {
         }
     }
 
+    /// Whether noise may be all that is left of the picture.
+    pub fn explained(&self) -> bool {
+        self.misfit <= COMMON
+    }
+
     /// The part of the variance of a value that the noise of the rendering makes; all of it where nothing is known.
     fn own_part(&self, i: usize) -> f64 {
         (self.own.at(i, i) / self.covariance.at(i, i)).min(1.0)
@@ -235,11 +242,12 @@ impl Evidence<'_> {
         self.pixels_in_parts((self.film.width * self.film.height).div_ceil(LARGE), unknown, material)
     }
 
-    /// The same; errors if the picture is black in all.
+    /// The same; errors if the picture is black in all, but where something else is seen beside it.
     pub fn telling_pixels(&self, unknown: &Unknown, material: MaterialId) -> Result<Vec<usize>> {
         let pixels = self.enough_pixels(unknown, material)?;
-        if pixels.iter().all(|&n| dead::black(self, n)) {
-            let remedy = "check that it is the right one, and the view and the mask";
+        if dead::all(self, &pixels, material) {
+            let remedy = inside_out::said(self, unknown, material)
+                .unwrap_or_else(|| "check that it is the right one, and the view and the mask".into());
             return Err(Error::new(format!("the picture is black wherever it shows `{}`: {remedy}", unknown.material().name)));
         }
         Ok(pixels)

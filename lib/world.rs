@@ -149,18 +149,23 @@ impl World {
     /// Whether what a ray shows is made of a material: what it meets first, but for panes of glass, which it looks through, and mirrors, which
     /// it looks into.
     pub fn shows(&self, ray: &Ray, material: MaterialId) -> bool {
-        self.behind(ray, material).is_some()
+        self.shown(ray, material).is_some()
     }
 
     /// The rest of a ray, straight on, from where it shows a material; `None` if it does not.
     pub fn behind(&self, ray: &Ray, material: MaterialId) -> Option<Ray> {
+        self.shown(ray, material).map(|(rest, _)| rest)
+    }
+
+    /// That, and the normal of what it shows there.
+    pub fn shown(&self, ray: &Ray, material: MaterialId) -> Option<(Ray, Vec3)> {
         let mut ray = *ray;
         for _ in 0..MOST_PANES {
             let hit = self.nearest(&ray, f64::INFINITY)?;
             let mut ends = Vec::new();
             self.ends(self.find(&hit).chain, &mut ends);
             if ends.contains(&Some(material)) {
-                return Some(Ray::new(hit.point, ray.direction));
+                return Some((Ray::new(hit.point, ray.direction), hit.normal));
             }
             let direction = ends.iter().find_map(|end| self.onward(*end, ray.direction, hit.normal))?;
             ray = Ray::new(hit.point, direction);

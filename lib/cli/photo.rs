@@ -16,7 +16,7 @@ use crate::metric::{self, Named};
 use crate::picture::{Header, Picture, shrunk};
 use crate::rad::{Class, Document, Number, Primitive};
 use crate::recover::around::otherwise_around;
-use crate::recover::{Evidence, Recovery, dead, otherwise, saturated};
+use crate::recover::{Evidence, Recovery, dead, inside_out, otherwise, saturated};
 use crate::render::{Film, Filter};
 use crate::report::{Setting, Views};
 use crate::rules::Rules;
@@ -211,6 +211,11 @@ impl<'a> Photo<'a> {
         let by = |world: &World| otherwise_around(&self.evidence(), world, exposures, self.material, self.seed);
         // Mostly nothing is to be said by what is there already.
         by(&self.world).map_or(Ok(None), |_| Ok(by(&self.setting().world(&self.unknown.reals(&found.values))?)))
+    }
+
+    /// What is to be said where nothing explains the picture, if the unknown is inside out.
+    pub fn inside_out(&self, found: &Recovery) -> Option<String> {
+        inside_out::said(&self.evidence(), &self.unknown, self.material).filter(|_| !found.explained())
     }
 
     /// Leaves the pixels out that are black where by what was found there is light, if there is `time` to do without them; says how many they are.

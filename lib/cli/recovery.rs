@@ -38,7 +38,7 @@ pub fn recover(start: &str, target: &str, arguments: &Arguments, console: &Conso
             }
             trail.hear(&found, console);
             let cut = stopped();
-            let others = saturated.into_iter().chain(dead).chain(strays(&found, photo.width()));
+            let others = saturated.into_iter().chain(dead).chain(strays(&found, photo.width())).chain(photo.inside_out(&found));
             for doubt in photo.otherwise_around(&found)?.into_iter().chain(others) {
                 title.push(format!("warning: {doubt}"));
                 doubts.push(doubt);

@@ -4,6 +4,7 @@ use super::{Evidence, Recovery};
 use crate::color::bright;
 use crate::picture::place;
 use crate::render::Film;
+use crate::scene::MaterialId;
 use crate::world::World;
 
 /// A pixel that a rendering has so many standard errors above black is not black by chance, where half of those around it, so far away at the most, are off
@@ -15,6 +16,13 @@ const TYPICAL: f64 = 0.1;
 /// Whether a pixel is black in the picture.
 pub fn black(evidence: &Evidence, n: usize) -> bool {
     evidence.target.pixels[n] == [0.0; 3]
+}
+
+/// Whether all these pixels are, that show a material or touch it; or all that show nothing else.
+pub fn all(evidence: &Evidence, pixels: &[usize], material: MaterialId) -> bool {
+    let (black, lit): (Vec<usize>, Vec<usize>) = pixels.iter().partition(|n| black(evidence, **n));
+    let mixed = |n: &usize| !evidence.filled(*n, material);
+    lit.is_empty() || lit.iter().all(mixed) && !black.iter().all(mixed)
 }
 
 /// Those of some black pixels that surely are not so in a world where the unknown is what was found.

@@ -99,7 +99,9 @@ impl<'a> Errors<'a> {
         let (parameters, seen) = (unknown.parameters(), &known.covariance);
         let n = parameters.len();
         let dull = lusterless(unknown, values, seen);
-        let unseen = |i: usize| !seen.at(i, i).is_finite() || dull && is_roughness(&parameters[i]) || known.misfit >= ELSEWHERE;
+        // Where the picture is not explained, what only a bound keeps from going on may be anything.
+        let held = |i: usize| known.misfit >= ASTRAY && at_bound(&parameters[i], values[i], None).is_some();
+        let unseen = |i: usize| !seen.at(i, i).is_finite() || dull && is_roughness(&parameters[i]) || known.misfit >= ELSEWHERE || held(i);
         let (units, unseen) = (parameters.iter().map(Parameter::anywhere).collect(), (0..n).map(unseen).collect());
         let mut errors = Self { parameters, known, units, unseen, whole: Symmetric::diagonal(&[]) };
         let whole = Symmetric::of(n, |i, j| errors.scaled(seen, i, j) + errors.moved(i, j));

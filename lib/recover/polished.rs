@@ -4,7 +4,6 @@
 use super::doubts::{Standing, judge};
 use super::model::{Kind, SPECULARITY};
 use super::rough::{self, SMOOTHEST, Sought, faint};
-use super::sheet::COMMON;
 use super::{Effort, Evidence, Recovery};
 use crate::anneal::linear::Symmetric;
 use crate::error::Result;
@@ -113,7 +112,7 @@ impl Mirror {
                 let error = found.errors()[slot];
                 let smooth = roughness - SURE * error <= SMOOTHEST && roughness.max(error) <= ROUGH && !faint(kind, unknown, found);
                 // Where trans that is rough does not explain the picture, its shadows may not be those of one that is.
-                let likely = smooth || kind.transmits && found.misfit > COMMON;
+                let likely = smooth || kind.transmits && !found.explained();
                 let any = || judge(unknown, &found.values, &found.known()).standings[slot] == Standing::Open;
                 let alone = slots.iter().filter(|s| **s == Some(slot)).count() == 1;
                 if !alone || unknown.bounds()[slot].0 > PURE || !likely && !any() {

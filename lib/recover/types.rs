@@ -5,7 +5,6 @@
 
 use super::doubts::list;
 use super::model::{Kind, parts};
-use super::sheet::COMMON;
 use super::{Evidence, Recovery, tile};
 use crate::anneal::Parameter;
 use crate::unknown::Unknown;
@@ -174,7 +173,7 @@ pub fn choose(trials: &[Trial], sample: &Sample) -> Verdict {
     let chosen = open.iter().copied().find(|&i| trials[i].kind.strip_suffix('2') == Some(&trials[chosen].kind)).unwrap_or(chosen);
     let rival = |i: usize| {
         // One that can say all that the chosen one does says the same, unless that explains the picture less well, or it surely says something else.
-        let explained = || distance(chosen, i) < NEAR && trials[chosen].recovery.misfit <= COMMON;
+        let explained = || distance(chosen, i) < NEAR && trials[chosen].recovery.explained();
         let includes = || trials[i].contains(&trials[chosen]) && explained() && trials[i].same_within(&trials[chosen], f64::INFINITY);
         let same = i == chosen || trials[i].same(&trials[chosen]) || includes();
         match distance(i, best) {
