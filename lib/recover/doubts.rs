@@ -235,16 +235,19 @@ pub fn may_exceed(unknown: &Unknown, p: &Parameter, bound: f64) -> bool {
 /// A value nearer to a bound than this part of the range is at it.
 const AT_BOUND: f64 = 1e-5;
 
-/// Whether there is hardly any specular reflection, and perhaps none, which would be of any roughness.
+/// Whether there may be no specular reflection, which would be of any roughness; whatever the exposure, which makes none of some.
 pub fn lusterless(unknown: &Unknown, values: &[f64], seen: &Symmetric) -> bool {
-    let at = |name: &str| unknown.material().type_of().and_then(|t| t.parameter(name));
-    let spec = unknown.parameters().iter().position(|p| p.name == "spec");
-    let faint = |value: f64, error: f64| value <= error && value + error < FAINT;
-    at("tspec").is_none() && spec.is_some_and(|i| faint(values[i], seen.at(i, i).sqrt()))
+    let named = |name: &str| unknown.parameters().iter().position(|p| p.name == name);
+    let transmits = unknown.material().type_of().and_then(|t| t.parameter("tspec")).is_some();
+    named("spec").filter(|_| !transmits).is_some_and(|i| {
+        let by_exposure = EXPOSURES.iter().filter_map(|name| named(name)).map(|e| seen.at(i, e).powi(2) / seen.at(e, e));
+        let variance = seen.at(i, i) - by_exposure.filter(|part| part.is_finite()).fold(0.0, f64::max);
+        values[i] <= FAINT * variance.max(0.0).sqrt()
+    })
 }
 
-/// The largest specularity, its error included, at which a surface counts as dull.
-const FAINT: f64 = 0.05;
+/// A specularity of so many standard errors may be none.
+const FAINT: f64 = 2.0;
 
 /// A specularity below this is hardly any.
 const DULL: f64 = 0.003;
@@ -337,7 +340,7 @@ mod tests {
             let r = |a, b| if a == b { 1.0 } else { r * f64::from((a, b) == (j.max(i), i.min(j))) };
             Symmetric::of(5, |a, b| r(a, b) * e[a] * ranges[a] * e[b] * ranges[b])
         };
-        judge(&unknown, &[0.6, 0.4, 0.2, 0.1, 0.1], &Known { covariance: matrix(seen), common: Some(&matrix(common)), misfit, blur: None })
+        judge(&unknown, &[0.6, 0.4, 0.2, 0.6, 0.1], &Known { covariance: matrix(seen), common: Some(&matrix(common)), misfit, blur: None })
     }
 
     #[test]
@@ -365,10 +368,16 @@ mod tests {
         let found = plastic([0.2, 0.001, 0.001, 0.25, 0.001], [0.0; 5], (0, 3, -0.999), 0.0);
         let [doubt] = &found.doubts[..] else { panic!("{:?}", found.doubts) };
         assert!(
-            doubt.starts_with("red and spec are not determined by themselves, only together: red + 0.80 spec = 0.6799 ± 0.0089; "),
+            doubt.starts_with("red and spec are not determined by themselves, only together: red + 0.80 spec = 1.0794 ± 0.0089; "),
             "{doubt}"
         );
         assert_eq!((found.standings[0], found.standings[1]), (Standing::Together, Standing::Determined));
+    }
+
+    #[test]
+    fn what_may_reflect_nothing_is_of_any_roughness() {
+        let standing = |part| plastic([0.001, 0.001, 0.001, part, 0.001], [0.0; 5], (0, 3, 0.0), 0.0).standings[4];
+        assert_eq!([0.25, 0.35].map(standing), [Standing::Determined, Standing::Open]);
     }
 
     #[test]
