@@ -49,6 +49,7 @@ use saturated::Saturated;
 use serde::{Deserialize, Serialize};
 pub use sharpness::Blur;
 use sheet::COMMON;
+use std::collections::BTreeSet;
 use std::time::Instant;
 
 /// What is known: the scene, the view, the picture.
@@ -118,7 +119,7 @@ pub struct Recovery {
     /// The numbers of those that are far brighter than anything explains. Empty in one that was kept.
     #[serde(skip)]
     pub strays: Vec<usize>,
-    /// Those that were left out as they seem [`saturated`], and the channel in which each does. Empty in one that was kept.
+    /// Those that seem [`saturated`], and the channel in which each does: they are left out, unless hardly any others are left. Empty in one that was kept.
     #[serde(skip)]
     pub saturated: Vec<Saturated>,
     /// How much of the derivative by each value is not noise, from 0 to 1. Empty in one that was kept.
@@ -183,6 +184,12 @@ impl Recovery {
             saturated: vec![],
             clarity: vec![1.0; values.len()],
         }
+    }
+
+    /// Whether those that seem saturated count, as hardly any others are left.
+    pub fn counts_saturated(&self) -> bool {
+        let saturated: BTreeSet<usize> = self.saturated.iter().map(|&(n, _)| n).collect();
+        self.losses.iter().any(|(n, _)| saturated.contains(n))
     }
 
     /// Whether noise may be all that is left of the picture.

@@ -116,6 +116,14 @@ impl Film {
         })
     }
 
+    /// The numbers of the pixels at most `reach` columns and rows from one, and its own.
+    pub fn around(&self, n: usize, reach: usize) -> impl Iterator<Item = usize> + use<> {
+        let width = self.width;
+        let near = |at: usize, most: usize| at.saturating_sub(reach)..(at + reach + 1).min(most);
+        let columns = near(n % width, width);
+        near(n / width, self.height).flat_map(move |row| columns.clone().map(move |column| row * width + column))
+    }
+
     /// Rays of about a thousand of the pixels, spread over all.
     pub fn some_rays(&self) -> impl Iterator<Item = Ray> {
         let lens = self.lens();

@@ -82,7 +82,7 @@ fn a_killed_recovery_ends_at_the_same_bytes_and_a_finished_one_is_not_done_again
     }
     // No light is traced for an answer that is kept: it is what the state has.
     let mut state: serde_json::Value = serde_json::from_slice(&fs::read(path.join("state")).unwrap()).unwrap();
-    state["found"]["chi2"] = 123.0.into();
+    state["found"]["recovery"]["chi2"] = 123.0.into();
     fs::write(path.join("state"), state.to_string()).unwrap();
     let (kept, ..) = done(path, &format!("{ASKED} start.rad"));
     let after_chi2 = |text: &str| text.split_once(" over ").unwrap().1.to_string();
@@ -110,9 +110,9 @@ fn a_state_is_not_taken_for_another_recovery() {
     let (mut round, mut answer) = (state.clone(), state);
     round["rounds"][1]["errors"].as_array_mut().unwrap().pop();
     answer["rounds"] = serde_json::json!([]);
-    answer["found"]["values"].as_array_mut().unwrap().truncate(1);
+    answer["found"]["recovery"]["values"].as_array_mut().unwrap().truncate(1);
     for matrix in ["covariance", "own", "common"] {
-        answer["found"][matrix] = serde_json::json!({"size": 1, "cells": [0.01]});
+        answer["found"]["recovery"][matrix] = serde_json::json!({"size": 1, "cells": [0.01]});
     }
     for state in [round, answer] {
         fs::write(path.join("bent"), state.to_string()).unwrap();
@@ -153,6 +153,21 @@ fn pixels_that_are_no_numbers_are_said() {
     fs::write(path.join("target.exr"), picture.write_exr().unwrap()).unwrap();
     let asked = "-ab 1 --scene scene.rad --target target.exr start.rad";
     assert!(trouble(path, asked).contains("the picture's pixel in column 20 and row 20 (from the upper left, from 0) is not finite"));
+}
+
+#[test]
+fn pixels_that_were_left_out_stay_out_of_the_page() {
+    let directory = ball();
+    let path = directory.path();
+    let mut picture = Picture::read(&fs::read(path.join("target.hdr")).unwrap(), "target.hdr").unwrap();
+    picture.pixels.iter_mut().step_by(11).for_each(|p| *p = [0.0; 3]);
+    fs::write(path.join("target.hdr"), picture.write_hdr().unwrap()).unwrap();
+    let page = || {
+        let (out, ..) = done(path, &format!("{ASKED} --report page.html start.rad"));
+        assert!(out.contains("as a camera's dead ones are"), "{out}");
+        fs::read_to_string(path.join("page.html")).unwrap()
+    };
+    assert!(page() == page());
 }
 
 #[test]

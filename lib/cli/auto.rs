@@ -1,6 +1,6 @@
 //! The unknown of a file as the type that `--type` says, or as the one that the picture supports best.
 
-use super::kept::{Asked, Kept};
+use super::kept::{Asked, Found, Kept, Said};
 use super::photo::Photo;
 use super::{Console, Outcome, input};
 use crate::args::anneal::{AUTO, Arguments};
@@ -9,7 +9,7 @@ use crate::rad::Document;
 use crate::recover::model::Kind;
 use crate::recover::saturated::apart;
 use crate::recover::types::{SAMPLES, Sample, Trial, choose};
-use crate::recover::{Effort, Evidence, Recovery, recover};
+use crate::recover::{Effort, Evidence, recover};
 use crate::report::Moment;
 use crate::unknown::{Unknown, Wishes, retyped};
 use std::slice::from_ref;
@@ -18,16 +18,14 @@ use std::slice::from_ref;
 pub struct Taken<'a> {
     /// The photograph.
     pub photo: Photo<'a>,
-    /// What is to be said of the type, line by line.
-    pub title: Vec<String>,
-    /// What there is to doubt about it.
-    pub doubts: Vec<String>,
+    /// What is to be said of the type.
+    pub said: Said,
     /// About where the values are, if types were compared.
     pub around: Option<Vec<f64>>,
     /// What was asked.
     pub asked: Asked,
     /// What was found before, and how, where `--state` keeps it.
-    pub found: Option<(Recovery, Vec<Moment>)>,
+    pub found: Option<(Found, Vec<Moment>)>,
 }
 
 /// START.rad as it is, and what is wished of its material.
@@ -52,8 +50,9 @@ pub fn take<'a>(start: &str, target: &str, effort: Effort, arguments: &Arguments
         let (document, wishes) = opened(start, arguments)?;
         let photo = Photo::new(&Unknown::new(document, &wishes)?, Some(target), arguments, console)?;
         let asked = Asked::new(start, arguments, photo.digest());
-        let found = kept(&asked, from_ref(photo.unknown()), arguments)?.map(|(kept, _)| (kept.found, kept.rounds));
-        return Ok(Taken { photo, title: vec![], doubts: vec![], around: None, asked, found });
+        let kept = kept(&asked, from_ref(photo.unknown()), arguments)?;
+        let (said, found) = kept.map(|(kept, _)| (kept.said, (kept.found, kept.rounds))).unzip();
+        return Ok(Taken { photo, said: said.unwrap_or_default(), around: None, asked, found });
     }
     let (document, wishes) = read(start, arguments)?;
     // A type that what was wished leaves without anything unknown is left out.
@@ -69,9 +68,9 @@ pub fn take<'a>(start: &str, target: &str, effort: Effort, arguments: &Arguments
     };
     let mut photo = Photo::new(first, Some(target), arguments, console)?;
     let asked = Asked::new(start, arguments, photo.digest());
-    if let Some((Kept { title, doubts, found, rounds, .. }, unknown)) = kept(&asked, &unknowns, arguments)? {
+    if let Some((Kept { said, found, rounds, .. }, unknown)) = kept(&asked, &unknowns, arguments)? {
         photo.take_for(unknowns.swap_remove(unknown))?;
-        return Ok(Taken { photo, title, doubts, around: None, asked, found: Some((found, rounds)) });
+        return Ok(Taken { photo, said, around: None, asked, found: Some((found, rounds)) });
     }
     let pixels = photo.evidence().enough_pixels(first, photo.material())?;
     let (_, pixels) = apart(&photo.evidence(), pixels);
@@ -102,7 +101,8 @@ pub fn take<'a>(start: &str, target: &str, effort: Effort, arguments: &Arguments
     let (unknown, values) = (unknowns.swap_remove(verdict.chosen), values.swap_remove(verdict.chosen));
     let around = near(&unknown, &values).map(<[f64]>::to_vec);
     photo.take_for(unknown)?;
-    Ok(Taken { photo, title: vec![verdict.title()], doubts: verdict.doubts(), around, asked, found: None })
+    let said = Said { title: vec![verdict.title()], doubts: verdict.doubts() };
+    Ok(Taken { photo, said, around, asked, found: None })
 }
 
 /// About where values are that a few pixels have found. An index is, and takes long to find; a lobe is sought anew, since those few may miss a highlight.

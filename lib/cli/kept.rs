@@ -20,14 +20,38 @@ pub struct Kept {
     asked: Asked,
     /// The type that the unknown was taken for.
     kind: String,
-    /// What is to be said of the type.
-    pub title: Vec<String>,
-    /// What there is to doubt about it.
-    pub doubts: Vec<String>,
+    /// What is to be said of it.
+    pub said: Said,
     /// What was found.
-    pub found: Recovery,
+    pub found: Found,
     /// How.
     pub rounds: Vec<Moment>,
+}
+
+/// What is to be said besides the answer.
+#[derive(Clone, Default, Serialize, Deserialize)]
+pub struct Said {
+    /// Before it, line by line.
+    pub title: Vec<String>,
+    /// What there is to doubt.
+    pub doubts: Vec<String>,
+}
+
+impl Said {
+    /// A doubt, which stands before the answer too.
+    pub fn doubt(&mut self, doubt: String) {
+        self.title.push(format!("warning: {doubt}"));
+        self.doubts.push(doubt);
+    }
+}
+
+/// What was found in a photograph.
+#[derive(Clone, Serialize, Deserialize)]
+pub struct Found {
+    /// What it says.
+    pub recovery: Recovery,
+    /// The pixels that were left out as they are black where there is light.
+    pub dead: Vec<usize>,
 }
 
 /// What was asked: all that an answer depends on.
@@ -87,25 +111,15 @@ impl Kept {
         }
     }
 
-    /// Keeps what was found in a file.
-    pub fn save(
-        path: &Path,
-        asked: Asked,
-        kind: &str,
-        title: &[String],
-        doubts: &[String],
-        found: &Recovery,
-        trail: &Trail,
-    ) -> Outcome<()> {
-        let kept = Self {
-            asked,
-            kind: kind.into(),
-            title: title.to_vec(),
-            doubts: doubts.to_vec(),
-            found: found.clone(),
-            rounds: trail.moments().clone(),
-        };
-        let text = serde_json::to_vec(&kept).map_err(|e| Error::new(format!("{}: {e}", path.display())))?;
+    /// What was asked, and what was found and said of an unknown.
+    pub fn new(asked: Asked, unknown: &Unknown, said: &Said, found: &Found, trail: &Trail) -> Self {
+        let (kind, rounds) = (unknown.material().kind.clone(), trail.moments().clone());
+        Self { asked, kind, said: said.clone(), found: found.clone(), rounds }
+    }
+
+    /// Keeps it in a file.
+    pub fn save(&self, path: &Path) -> Outcome<()> {
+        let text = serde_json::to_vec(self).map_err(|e| Error::new(format!("{}: {e}", path.display())))?;
         // What is infinite no file keeps: then the same command does it again.
         if serde_json::from_slice::<Self>(&text).is_err() {
             return Ok(());
@@ -115,7 +129,7 @@ impl Kept {
 
     /// Whether all it knows is of that many parameters.
     fn is_of(&self, parameters: usize) -> bool {
-        let Recovery { values, covariance, own, common, .. } = &self.found;
+        let Recovery { values, covariance, own, common, .. } = &self.found.recovery;
         let fits =
             |round: &Moment| round.values.len() == parameters && round.errors.as_ref().is_none_or(|errors| errors.len() == parameters);
         values.len() == parameters

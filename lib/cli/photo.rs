@@ -218,25 +218,36 @@ impl<'a> Photo<'a> {
         inside_out::said(&self.evidence(), &self.unknown, self.material).filter(|_| !found.explained())
     }
 
-    /// Leaves the pixels out that are black where by what was found there is light, if there is `time` to do without them; says how many they are.
-    pub fn leave_out_dead(&mut self, found: &Recovery, time: bool) -> Result<Option<String>> {
+    /// The pixels that are black where by what was found there is light.
+    pub fn dead(&self, found: &Recovery) -> Result<Vec<usize>> {
         let evidence = self.evidence();
         // Mostly there are none.
         if !(0..self.target.pixels.len()).any(|n| dead::black(&evidence, n)) {
-            return Ok(None);
+            return Ok(vec![]);
         }
         let mut black = evidence.enough_pixels(&self.unknown, self.material)?;
-        black.retain(|&n| dead::black(&evidence, n) && evidence.filled(n, self.material));
-        // Or they are of what is behind it, at an edge perhaps.
+        // Or they are of what is behind it, at an edge.
+        black.retain(|&n| dead::black(&evidence, n) && (dead::alone(&evidence, n) || evidence.filled(n, self.material)));
         if black.is_empty() {
-            return Ok(None);
+            return Ok(black);
         }
         let world = self.setting().world(&self.unknown.reals(&found.values))?;
-        let dead = dead::dead(&evidence, &world, found, black, self.seed);
-        for &n in dead.iter().filter(|_| time) {
-            self.mask.get_or_insert_with(|| vec![1.0; self.target.pixels.len()])[n] = 0.0;
+        Ok(dead::dead(&evidence, &world, found, black, self.seed))
+    }
+
+    /// Leaves pixels out, and says how much each counted before.
+    pub fn leave_out(&mut self, pixels: &[usize]) -> Option<Vec<f32>> {
+        let before = self.mask.clone();
+        for &n in pixels {
+            let mask = self.mask.get_or_insert_with(|| vec![1.0; self.target.pixels.len()]);
+            mask.get_mut(n).into_iter().for_each(|counts| *counts = 0.0);
         }
-        Ok(dead::said(&dead, self.film.width, time))
+        before
+    }
+
+    /// Takes each pixel to count so much.
+    pub fn count(&mut self, mask: Option<Vec<f32>>) {
+        self.mask = mask;
     }
 
     /// What is to be said of pixels that were left out as they seem saturated, if by what was found most of them should be brighter.
@@ -245,7 +256,7 @@ impl<'a> Photo<'a> {
             return Ok(None);
         }
         let world = self.setting().world(&self.unknown.reals(&found.values))?;
-        Ok(saturated::confirmed(&self.evidence(), &world, &found.saturated, self.unknown.exposures(&found.values), self.seed))
+        Ok(saturated::confirmed(&self.evidence(), &world, found, self.unknown.exposures(&found.values), self.seed))
     }
 
     /// The scene with one more lamp, small and far, over the camera's shoulder, that lights as much as light of `radiance` from all around.

@@ -1,14 +1,14 @@
 //! A recovery from a picture, from the command line to the answer.
 
 use super::auto::{Taken, take};
-use super::kept::Kept;
+use super::kept::{Found, Kept};
 use super::photo::Photo;
 use super::report::{self, Trail};
 use super::{Answer, Console, Outcome, Output, interrupted};
 use crate::args::anneal::Arguments;
 use crate::error::Result;
 use crate::recover::doubts::list;
-use crate::recover::{self, Effort, Evidence, Recovery, answer};
+use crate::recover::{self, Effort, Evidence, Recovery, answer, dead};
 use std::time::Instant;
 
 /// Recovers the material from the picture by the basis of its transport.
@@ -18,49 +18,41 @@ pub fn recover(start: &str, target: &str, arguments: &Arguments, console: &Conso
     let (begin, stopped) = (Instant::now(), interrupted());
     let until = || if stopped() { Some(begin) } else { arguments.time().map(|time| begin + time) };
     let effort = Effort::new(options.seed, options.tolerance, &until);
-    let Taken { mut photo, mut title, mut doubts, around, asked, found } = take(start, target, effort, arguments, console)?;
+    let Taken { mut photo, mut said, around, asked, found } = take(start, target, effort, arguments, console)?;
     let unknown = &photo.unknown().clone();
     let (found, rounds) = found.unzip();
     let trail = Trail::new(unknown, rounds, arguments.search.log.as_deref())?;
-    let effort = Effort { around: around.as_deref(), told: &|found| trail.hear(found, console), ..effort };
-    let (found, cut) = match found {
-        Some(found) => (found, false),
+    let mut cut = false;
+    let found = match found {
+        Some(found) => {
+            photo.leave_out(&found.dead);
+            found
+        }
         None => {
-            let begin = Instant::now();
-            let mut found = recovered(&photo, effort, console)?;
-            let saturated = photo.saturated(&found)?;
-            // A flat surface that all is seen of tells more.
-            let wary = saturated.is_some() || found.saturated.is_empty();
-            let again = effort.affords_another(begin, 1);
-            let dead = photo.leave_out_dead(&found, again)?;
-            if (dead.is_some() || !wary) && again {
-                found = recovered(&photo, Effort { around: Some(&found.values), wary, ..effort }, console)?;
-            }
-            trail.hear(&found, console);
-            let cut = stopped();
-            let others = saturated.into_iter().chain(dead).chain(strays(&found, photo.width())).chain(photo.inside_out(&found));
-            for doubt in photo.otherwise_around(&found)?.into_iter().chain(others) {
-                title.push(format!("warning: {doubt}"));
-                doubts.push(doubt);
-            }
+            let effort = Effort { around: around.as_deref(), told: &|found| trail.hear(found, console), ..effort };
+            let (found, doubts) = found_in(&mut photo, effort, &stopped, console)?;
+            doubts.into_iter().for_each(|doubt| said.doubt(doubt));
+            trail.hear(&found.recovery, console);
+            cut = stopped();
             if let Some(path) = arguments.search.state.as_ref().filter(|_| !cut) {
-                Kept::save(path, asked, &unknown.material().kind, &title, &doubts, &found, &trail)?;
+                Kept::new(asked, unknown, &said, &found, &trail).save(path)?;
             }
-            (found, cut)
+            found
         }
     };
+    let found = found.recovery;
     cut.then(|| console.note("interrupted: the values are those of the samples taken by then"));
     let answer = answer::Answer::new(unknown, &found.values, Some(&found.known()));
-    title.extend(photo.blurred(&found));
-    title.push(format!("chi2 {} over {} pixels", answer::six(found.chi2), found.pixels));
-    let answered = Output::whole(arguments.common.output.as_deref(), &answer.file(&title)?);
-    doubts.extend_from_slice(answer.doubts());
+    said.title.extend(photo.blurred(&found));
+    said.title.push(format!("chi2 {} over {} pixels", answer::six(found.chi2), found.pixels));
+    let answered = Output::whole(arguments.common.output.as_deref(), &answer.file(&said.title)?);
+    said.doubts.extend_from_slice(answer.doubts());
     if answered.is_ok() {
-        doubts.iter().for_each(|doubt| console.warn(doubt));
+        said.doubts.iter().for_each(|doubt| console.warn(doubt));
     }
     // The page is written even if nobody reads the answer.
     let page = arguments.search.report.as_ref();
-    let reported = page.map_or(Ok(()), |path| report::of_recovery(path, &found, &answer, &doubts, &photo, &trail, console));
+    let reported = page.map_or(Ok(()), |path| report::of_recovery(path, &found, &answer, &said.doubts, &photo, &trail, console));
     answered.and(reported).and(trail.written())?;
     let asked = options.tolerance.zip(answer.errors());
     let missed = asked.and_then(|(tolerance, errors)| answer::missed(unknown.parameters(), errors, tolerance));
@@ -68,7 +60,32 @@ pub fn recover(start: &str, target: &str, arguments: &Arguments, console: &Conso
     Ok(if missed.is_none() && !cut { Answer::Yes } else { Answer::No })
 }
 
-/// What the picture says.
+/// What the picture says, and what there is to doubt about it: looked at once more, if there is time, without the pixels that turn out to tell nothing,
+/// and with those that tell something after all.
+fn found_in(photo: &mut Photo, effort: Effort, stopped: &dyn Fn() -> bool, console: &Console) -> Result<(Found, Vec<String>)> {
+    let begin = Instant::now();
+    let mut recovery = recovered(photo, effort, console)?;
+    let (saturated, dead) = (photo.saturated(&recovery)?, photo.dead(&recovery)?);
+    // A flat surface that all is seen of tells more.
+    let wary = saturated.is_some() || recovery.saturated.is_empty() || recovery.counts_saturated();
+    let mut left_out = false;
+    if (!dead.is_empty() || !wary) && effort.affords_another(begin, 1) {
+        let counted = photo.leave_out(&dead);
+        let again = recovered(photo, Effort { around: Some(&recovery.values), wary, ..effort }, console)?;
+        // Cut short, it says less than the one before.
+        left_out = !stopped();
+        if left_out {
+            recovery = again;
+        } else {
+            photo.count(counted);
+        }
+    }
+    let others = [saturated, dead::said(&dead, photo.width(), left_out), strays(&recovery, photo.width()), photo.inside_out(&recovery)];
+    let doubts = photo.otherwise_around(&recovery)?.into_iter().chain(others.into_iter().flatten()).collect();
+    Ok((Found { recovery, dead: if left_out { dead } else { vec![] } }, doubts))
+}
+
+/// What the picture says, looked at once.
 fn recovered(photo: &Photo, effort: Effort, console: &Console) -> Result<Recovery> {
     let otherwise = photo.otherwise()?;
     let evidence = Evidence { otherwise: otherwise.as_ref(), ..photo.evidence() };

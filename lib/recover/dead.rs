@@ -3,7 +3,6 @@
 use super::{Evidence, Recovery};
 use crate::color::bright;
 use crate::picture::place;
-use crate::render::Film;
 use crate::scene::MaterialId;
 use crate::world::World;
 
@@ -18,6 +17,11 @@ pub fn black(evidence: &Evidence, n: usize) -> bool {
     evidence.target.pixels[n] == [0.0; 3]
 }
 
+/// Whether one that is has only neighbours in the picture that are not.
+pub fn alone(evidence: &Evidence, n: usize) -> bool {
+    evidence.film.around(n, 1).all(|neighbour| neighbour == n || !black(evidence, neighbour))
+}
+
 /// Whether all these pixels are, that show a material or touch it; or all that show nothing else.
 pub fn all(evidence: &Evidence, pixels: &[usize], material: MaterialId) -> bool {
     let (black, lit): (Vec<usize>, Vec<usize>) = pixels.iter().partition(|n| black(evidence, **n));
@@ -27,14 +31,11 @@ pub fn all(evidence: &Evidence, pixels: &[usize], material: MaterialId) -> bool 
 
 /// Those of some black pixels that surely are not so in a world where the unknown is what was found.
 pub fn dead(evidence: &Evidence, world: &World, found: &Recovery, black: Vec<usize>, seed: u64) -> Vec<usize> {
-    let Film { width, height, .. } = *evidence.film;
     let lit: Vec<(usize, f64)> = found.losses.iter().copied().filter(|(n, _)| !self::black(evidence, *n)).collect();
     let Some(everywhere) = median(lit.iter().map(|(_, loss)| *loss)) else { return vec![] };
-    let mut off = vec![None; width * height];
+    let mut off = vec![None; evidence.target.pixels.len()];
     lit.iter().for_each(|(n, loss)| off[*n] = Some(*loss));
-    let near = |at: usize, most: usize| at.saturating_sub(AROUND)..(at + AROUND + 1).min(most);
-    let around = |n: usize| near(n / width, height).flat_map(move |y| near(n % width, width).map(move |x| y * width + x));
-    let explained = |n: &usize| median(around(*n).filter_map(|n| off[n])).unwrap_or(everywhere) <= TYPICAL;
+    let explained = |n: &usize| median(evidence.film.around(*n, AROUND).filter_map(|n| off[n])).unwrap_or(everywhere) <= TYPICAL;
     let black: Vec<usize> = black.into_iter().filter(explained).collect();
     if black.is_empty() {
         return vec![];

@@ -1,6 +1,6 @@
 //! Where a picture seems to show the most that a camera can tell instead of the light there was.
 
-use super::Evidence;
+use super::{Evidence, Recovery};
 use crate::picture::place;
 use crate::render::Pixel;
 use crate::world::World;
@@ -26,14 +26,9 @@ const BRIGHTER: f64 = 1.05;
 pub fn apart(evidence: &Evidence, pixels: Vec<usize>) -> (Vec<Saturated>, Vec<usize>) {
     let saturated: Vec<Saturated> = (0..3).flat_map(|channel| plateau(evidence, &pixels, channel)).collect();
     let numbers: BTreeSet<usize> = saturated.iter().map(|&(n, _)| n).collect();
-    let width = evidence.film.width;
-    let beside = |n: usize| {
-        let (row, column) = (n / width, n % width);
-        let columns = column.saturating_sub(1)..=(column + 1).min(width - 1);
-        (row.saturating_sub(1)..=row + 1).any(|row| columns.clone().any(|column| numbers.contains(&(row * width + column))))
-    };
+    let beside = |n: usize| evidence.film.around(n, 1).any(|n| numbers.contains(&n));
     let others: Vec<usize> = pixels.iter().copied().filter(|&n| !beside(n)).collect();
-    if others.len() < LEFT { (vec![], pixels) } else { (saturated, others) }
+    (saturated, if others.len() < LEFT { pixels } else { others })
 }
 
 /// The pixels that have the largest value of a channel, where they are as many as no highlight has.
@@ -47,28 +42,29 @@ fn plateau(evidence: &Evidence, pixels: &[usize], channel: usize) -> Vec<Saturat
     if is_one { flat.into_iter().map(|n| (n, channel)).collect() } else { vec![] }
 }
 
-/// What is to be said of pixels that seem saturated, if most of those of a channel should be brighter in a world where the unknown is as it was found,
-/// in a picture of these exposures.
-pub fn confirmed(evidence: &Evidence, world: &World, saturated: &[Saturated], exposures: [f64; 3], seed: u64) -> Option<String> {
-    let numbers: Vec<usize> = saturated.iter().map(|&(n, _)| n).collect();
-    let rendering = evidence.rendered(world, &numbers, seed);
-    let brighter = |((n, c), pixel): (&Saturated, &Pixel)| {
-        let photographed = f64::from(evidence.target.pixels[*n][*c]);
-        (exposures[*c] * pixel.mean()[*c] > BRIGHTER * photographed).then_some(*n)
+/// What is to be said of pixels that seem saturated, if most of those of a channel should be brighter in a world where the unknown is as it was found;
+/// or, where so few others are left that they count all the same, if the picture is not explained.
+pub fn confirmed(evidence: &Evidence, world: &World, found: &Recovery, exposures: [f64; 3], seed: u64) -> Option<String> {
+    let have = |n: usize, count: usize, so: &str| {
+        let example = place(n, evidence.film.width);
+        format!("{count} pixels, as that in {example}, have the largest value of their channel, {so}")
     };
+    let saturated = &found.saturated;
+    let numbers: BTreeSet<usize> = saturated.iter().map(|&(n, _)| n).collect();
+    if found.counts_saturated() {
+        let so = "nearly all there are: if the camera is saturated there, nothing that is found holds";
+        return numbers.first().filter(|_| !found.explained()).map(|n| have(*n, numbers.len(), so));
+    }
+    let rendering = evidence.rendered(world, &saturated.iter().map(|&(n, _)| n).collect::<Vec<_>>(), seed);
+    let brighter =
+        |((n, c), pixel): (&Saturated, &Pixel)| exposures[*c] * pixel.mean()[*c] > BRIGHTER * f64::from(evidence.target.pixels[*n][*c]);
     let of = |channel: usize| {
-        let flat = || saturated.iter().zip(&rendering.pixels).filter(|((_, c), _)| *c == channel);
-        let brighter: Vec<usize> = flat().filter_map(brighter).collect();
-        if 2 * brighter.len() > flat().count() { brighter } else { vec![] }
+        let flat: Vec<_> = saturated.iter().zip(&rendering.pixels).filter(|((_, c), _)| *c == channel).collect();
+        let most = 2 * flat.iter().filter(|one| brighter(**one)).count() > flat.len();
+        flat.into_iter().filter(|_| most).map(|((n, _), _)| *n).collect::<Vec<_>>()
     };
     // One may be so in several channels.
-    let brighter: BTreeSet<usize> = (0..3).flat_map(of).collect();
-    brighter.first().map(|n| {
-        format!(
-            "{} pixels, as that in {}, have the largest value of their channel, and should be brighter, as where a camera is saturated: they and \
-             those beside them are left out",
-            brighter.len(),
-            place(*n, evidence.film.width),
-        )
-    })
+    let flat: BTreeSet<usize> = (0..3).flat_map(of).collect();
+    let so = "and most of them should be brighter, as where a camera is saturated: they and those beside them are left out";
+    flat.first().map(|n| have(*n, flat.len(), so))
 }
