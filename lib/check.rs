@@ -4,7 +4,7 @@ use crate::error::Error;
 use crate::expand::Flat;
 use crate::geometry::Shape;
 use crate::material::is_of_lamps;
-use crate::rad::{Class, Link, Links, Primitive, Type, undefined};
+use crate::rad::{Class, Link, Links, Primitive, Type, Undefined};
 use crate::resolve::Resolve;
 use crate::scene::Scene;
 use crate::transform::Transform;
@@ -71,13 +71,21 @@ struct Checker<'a> {
     problems: Problems,
     /// Where each name is first that of a modifier, and which names are those of surfaces.
     known_names: (HashMap<&'a str, usize>, HashSet<&'a str>),
+    undefined: Undefined,
     /// Of each file that surfaces name whether it is none of RADIANCE's; or why it cannot be read.
     files: HashMap<String, Result<bool, String>>,
 }
 
 impl<'a> Checker<'a> {
     fn new(primitives: &'a [Primitive], links: Links) -> Self {
-        Self { primitives, links, problems: Problems::default(), known_names: names(primitives), files: HashMap::new() }
+        Self {
+            primitives,
+            links,
+            problems: Problems::default(),
+            known_names: names(primitives),
+            undefined: Undefined::default(),
+            files: HashMap::new(),
+        }
     }
 
     /// Checks what a primitive is called and what it calls.
@@ -119,7 +127,10 @@ impl<'a> Checker<'a> {
                 format!("no modifier `{name}` is defined before this: it is only later, in {file} line {line}; move the definition up")
             }
             _ if surfaces.contains(name) => format!("no modifier is called `{name}`: only a surface is; name its modifier"),
-            _ => format!("{}; define it above, or read the file that does first", undefined(name, modifiers.keys().copied())),
+            _ => {
+                let what = self.undefined.said(name, modifiers.keys().copied());
+                format!("{what}; define it above, or read the file that does first")
+            }
         }
     }
 

@@ -3,6 +3,7 @@
 mod bytes;
 mod json;
 mod lex;
+mod likely;
 mod links;
 mod parse;
 mod print;
@@ -12,8 +13,8 @@ mod types;
 pub use bytes::{decode, encode};
 pub use json::json;
 pub use lex::{is_space, real, word};
+pub use likely::Undefined;
 pub use links::{Link, Links, WEIGHT_LIMIT};
-pub use parse::undefined;
 pub use print::{Number, Quoted};
 pub use set::set;
 pub use types::{Class, Reals, TYPES, Type};

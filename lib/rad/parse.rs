@@ -1,6 +1,7 @@
 //! The grammar of scene files: statements out of words.
 
 use super::lex::{Fault, Parsed, Word, integer, real, space, word};
+use super::likely::likely;
 use super::types::{TYPES, Type};
 use super::{Primitive, Statement};
 use crate::error::{Error, Source, Span};
@@ -157,32 +158,6 @@ fn unknown_type(name: &str) -> String {
         Some(likely) => format!("unknown type `{name}`; `{likely}` is one"),
         None => format!("unknown type `{name}`; a statement begins with modifier, type and name"),
     }
-}
-
-/// The nearest to a word of some others, if it is so near that it may be meant: no more than two letters are wrong, nor more than half of it.
-fn likely<'a>(word: &str, others: impl Iterator<Item = &'a str>) -> Option<&'a str> {
-    let nearest = others.map(|other| (distance(word, other), other)).min();
-    nearest.filter(|(wrong, _)| *wrong <= 2.min(word.len().div_ceil(2))).map(|(_, likely)| likely)
-}
-
-/// What is wrong with a name that no modifier has which is `known` so far, and which of these may be meant.
-pub fn undefined<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> String {
-    let likely = likely(name, known).map_or(String::new(), |likely| format!("; `{likely}` is"));
-    format!("no modifier `{name}` is defined before this{likely}")
-}
-
-/// Edits between two words (Levenshtein 1966), letters compared without case.
-fn distance(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.to_lowercase().chars().collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, ca) in a.to_lowercase().chars().enumerate() {
-        let mut corner = std::mem::replace(&mut row[0], i + 1);
-        for (j, cb) in b.iter().enumerate() {
-            let best = (row[j] + 1).min(row[j + 1] + 1).min(corner + usize::from(ca != *cb));
-            corner = std::mem::replace(&mut row[j + 1], best);
-        }
-    }
-    row[b.len()]
 }
 
 fn fault(error: nom::Err<Fault>) -> Fault {

@@ -8,7 +8,7 @@ use crate::expand::Annotation;
 use crate::geometry::Shape;
 use crate::material::Material;
 use crate::pattern::{Mixture, Pattern, Sources, Texture};
-use crate::rad::{Class, Primitive, WEIGHT_LIMIT, real, undefined};
+use crate::rad::{Class, Primitive, Undefined, WEIGHT_LIMIT, real};
 use crate::resolve::Resolve;
 use crate::support::{Feature, unsupported};
 use crate::transform::Transform;
@@ -83,6 +83,7 @@ pub(super) struct Builder<'a> {
     links: HashMap<*const Primitive, Link>,
     models: HashMap<String, Rc<Model>>,
     groups: HashMap<String, Arc<Vec<Surface>>>,
+    undefined: Undefined,
     /// The octrees that are being read, one within another.
     within: Vec<String>,
     /// Chains that are being resolved, one within another.
@@ -107,6 +108,7 @@ impl<'a> Builder<'a> {
             links: HashMap::new(),
             models: HashMap::new(),
             groups: HashMap::new(),
+            undefined: Undefined::default(),
             within: Vec::new(),
             depth: 0,
         }
@@ -162,7 +164,7 @@ impl<'a> Builder<'a> {
 
     /// What is wrong with a name that no modifier has so far.
     fn undefined(&self, name: &str) -> String {
-        undefined(name, self.names.keys().map(|known| &**known))
+        self.undefined.said(name, self.names.keys().map(|known| &**known))
     }
 
     /// Takes a modifier in. Even one that is wrong is known by its name from then on, so that its users are not wrong too.
