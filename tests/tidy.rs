@@ -1,4 +1,4 @@
-//! The house is tidy: the map in `lib/lib.rs` is complete, rooms use only rooms above them, crates stay at home, files stay short, what the README shows is there.
+//! The house is tidy: the map in `lib/lib.rs` is complete, rooms use only rooms above them, crates stay at home, files stay short, what the README and the manual show is there.
 
 use std::collections::BTreeMap;
 use std::fs::{read_dir, read_to_string};
@@ -100,11 +100,18 @@ fn files_are_short_and_say_what_they_answer() {
 
 #[test]
 fn what_the_readme_shows_is_there() {
-    let text = read(&root().join("README.md"));
-    let links =
-        text.split("](").skip(1).filter_map(|rest| rest.split(')').next()).filter(|link| !link.contains(':') && !link.starts_with('#'));
-    for link in links {
-        assert!(root().join(link.split('#').next().unwrap()).exists(), "README.md: {link}");
+    let slug = |title: &str| title.to_lowercase().replace(|c: char| !(c.is_alphanumeric() || " -".contains(c)), "").replace(' ', "-");
+    for page in ["README.md", "MANUAL.md"] {
+        let text = read(&root().join(page));
+        let links = text.split("](").skip(1).filter_map(|rest| rest.split(')').next()).filter(|link| !link.contains(':'));
+        for link in links {
+            let (file, section) = link.split_once('#').unwrap_or((link, ""));
+            let file = root().join(if file.is_empty() { page } else { file });
+            assert!(file.exists(), "{page}: {link}");
+            let titles =
+                |text: &str| text.lines().any(|line| line.starts_with('#') && slug(line.trim_start_matches(['#', ' '])) == section);
+            assert!(section.is_empty() || titles(&read(&file)), "{page}: {link}");
+        }
     }
 }
 
