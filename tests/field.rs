@@ -1,9 +1,11 @@
 //! The illumination field: environments measured at several places, `#@probe X Y Z GLOW_ID`, light each point by those near it.
 
+mod fed;
+
+use fed::fed;
 use std::fs;
-use std::io::Write;
 use std::path::Path;
-use std::process::{Command, Output, Stdio};
+use std::process::{Command, Output};
 
 /// Two uniform environments of radiance 1 and 3 (in red; less in the others), at x = 0 and x = 1, and the sky they share.
 const UNIFORM: &str =
@@ -21,16 +23,7 @@ fn floors(at: &[f64]) -> String {
 }
 
 fn run(directory: &Path, program: &str, arguments: &[&str], input: &str) -> Output {
-    let mut child = Command::new(program)
-        .args(arguments)
-        .current_dir(directory)
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
-    let _ = child.stdin.take().unwrap().write_all(input.as_bytes());
-    child.wait_with_output().unwrap()
+    fed(Command::new(program).args(arguments).current_dir(directory), input.as_bytes())
 }
 
 /// What `rtrace-rs` writes for rays in a scene.

@@ -1,9 +1,11 @@
 //! White furnaces: a uniform environment of radiance 1, in which a surface shows its albedo.
 
+mod fed;
+
+use fed::fed;
 use serde_json::Value;
 use std::f64::consts::PI;
-use std::io::Write;
-use std::process::{Command, Stdio};
+use std::process::Command;
 
 const ENVIRONMENT: &str = "void glow e 0 0 4 1 1 1 0\ne source env 0 0 4 0 0 1 360\n";
 
@@ -11,18 +13,9 @@ const ENVIRONMENT: &str = "void glow e 0 0 4 1 1 1 0\ne source env 0 0 4 0 0 1 3
 fn answers(scene: &str, args: &[&str], rays: &str) -> Vec<Vec<f64>> {
     let directory = tempfile::tempdir().unwrap();
     std::fs::write(directory.path().join("scene.rad"), scene).unwrap();
-    let mut child = Command::new(env!("CARGO_BIN_EXE_rtrace-rs"))
-        .arg("-h")
-        .args(args)
-        .arg("scene.rad")
-        .current_dir(directory.path())
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .spawn()
-        .unwrap();
-    child.stdin.take().unwrap().write_all(rays.as_bytes()).unwrap();
-    let output = child.wait_with_output().unwrap();
-    assert!(output.status.success());
+    let mut command = Command::new(env!("CARGO_BIN_EXE_rtrace-rs"));
+    let output = fed(command.arg("-h").args(args).arg("scene.rad").current_dir(directory.path()), rays.as_bytes());
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let text = String::from_utf8(output.stdout).unwrap();
     let answers: Vec<Vec<f64>> = text.lines().map(|line| line.split_whitespace().map(|v| v.parse().unwrap()).collect()).collect();
     assert!(answers.len() == rays.lines().count() && answers.iter().all(|answer| answer.len() == 3), "{text}");

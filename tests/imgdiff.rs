@@ -1,12 +1,13 @@
 //! imgdiff as a program: what it prints, how it ends, and its agreement with RADIANCE's own tools where they are installed.
 
+mod fed;
 mod skipped;
 
+use fed::fed;
 use inverad::picture::exr::{Plane, Planes};
 use inverad::picture::{Header, Picture};
 use skipped::skipped;
 use std::fs;
-use std::io::Write;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use tempfile::TempDir;
@@ -14,16 +15,7 @@ use tempfile::TempDir;
 /// Runs imgdiff in `directory` with the words of `line`, and `input` on its standard input.
 fn imgdiff(directory: &TempDir, line: &str, input: &[u8]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_imgdiff"));
-    run(command.args(line.split_whitespace()).current_dir(directory), input)
-}
-
-fn run(command: &mut Command, input: &[u8]) -> Output {
-    let mut child = command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-    let mut stdin = child.stdin.take().unwrap();
-    std::thread::scope(|scope| {
-        scope.spawn(move || stdin.write_all(input));
-        child.wait_with_output().unwrap()
-    })
+    fed(command.args(line.split_whitespace()).current_dir(directory), input)
 }
 
 /// The status, the output, and what was said.

@@ -1,9 +1,11 @@
 //! Under an open sky a picture takes the whole of it for granted and leaves to chance what is hidden of it; single rays do not. Both must see the same.
 
+mod fed;
+
+use fed::fed;
 use std::fs;
-use std::io::Write;
 use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::Command;
 
 /// Light with a bright patch above and another to one side.
 const LIGHT: &str = "void colorfunc colours 4 if(Dz-.8,9,1+.5*Dx) 1+.5*Dy if(Dx-.7,6,1) . 0 0\ncolours glow light 0 0 4 .5 .5 .5 0\n\
@@ -24,17 +26,9 @@ const SIDE: usize = 12;
 const COUNT: usize = SIDE * SIDE;
 
 fn run(directory: &Path, arguments: &[&str], input: &str) -> Vec<u8> {
-    let mut child = Command::new(env!("CARGO_BIN_EXE_rtrace-rs"))
-        .args(arguments)
-        .args(["-ab", "3", "scene.rad"])
-        .current_dir(directory)
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .spawn()
-        .unwrap();
-    child.stdin.take().unwrap().write_all(input.as_bytes()).unwrap();
-    let output = child.wait_with_output().unwrap();
-    assert!(output.status.success());
+    let mut command = Command::new(env!("CARGO_BIN_EXE_rtrace-rs"));
+    let output = fed(command.args(arguments).args(["-ab", "3", "scene.rad"]).current_dir(directory), input.as_bytes());
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     output.stdout
 }
 

@@ -5,9 +5,11 @@
 //! mixture and light, whole and in parts, and how they meet. "tolerance" is relative, on each channel; "files" are base64. Vectors with a
 //! "fresnel_offset" were made with that constant.
 
+mod fed;
+
+use fed::fed;
 use serde_json::Value;
-use std::io::Write;
-use std::process::{Command, Stdio};
+use std::process::Command;
 
 /// Vectors that need primitives which are not rendered: the program must say so.
 const NOT_RENDERED: [&str; 1] = ["mist_absorb"];
@@ -45,11 +47,8 @@ impl Vector<'_> {
         if let Some(offset) = self.0["fresnel_offset"].as_f64() {
             command.args(["--fresnel-offset", &offset.to_string()]);
         }
-        let mut child = command.arg("scene.rad").stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
         let rays: String = self.rows("rays").iter().map(|ray| ray.iter().map(|v| format!("{v} ")).collect::<String>() + "\n").collect();
-        // A program that refuses the scene reads no rays.
-        let _ = child.stdin.take().unwrap().write_all(rays.as_bytes());
-        let output = child.wait_with_output().unwrap();
+        let output = fed(command.arg("scene.rad"), rays.as_bytes());
         if !output.status.success() {
             return Err(String::from_utf8(output.stderr).unwrap());
         }

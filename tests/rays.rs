@@ -3,10 +3,12 @@
 //! `tests/rays/recorded.json` holds scenes and what RADIANCE 6.0a said: `oconv SCENE > s.oct; rtrace -w ARGS s.oct < INPUT`; binary
 //! output is in hexadecimal. Its Fresnel constant is that of releases before June 2026.
 
+mod fed;
+
+use fed::fed;
 use serde_json::Value;
-use std::io::Write;
 use std::path::Path;
-use std::process::{Command, Output, Stdio};
+use std::process::{Command, Output};
 
 /// The options by which RADIANCE leaves nothing to chance.
 const EXACT: &str = "-u- -h -ab 0 -lr 12 -lw 1e-9 -dt 0 -dj 0 -ds 0 -st 0 -ss 0";
@@ -15,18 +17,7 @@ const EXACT: &str = "-u- -h -ab 0 -lr 12 -lw 1e-9 -dt 0 -dj 0 -ds 0 -st 0 -ss 0"
 const TOLERANCE: f64 = 2e-5;
 
 fn run(directory: &Path, args: &[&str], input: &[u8]) -> Output {
-    let mut child = Command::new(env!("CARGO_BIN_EXE_rtrace-rs"))
-        .args(args)
-        .current_dir(directory)
-        .env("RAYPATH", ".")
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
-    // A program that has read enough closes its input.
-    let _ = child.stdin.take().unwrap().write_all(input);
-    child.wait_with_output().unwrap()
+    fed(Command::new(env!("CARGO_BIN_EXE_rtrace-rs")).args(args).current_dir(directory).env("RAYPATH", "."), input)
 }
 
 /// Runs the program on a scene, and expects it to work.

@@ -1,9 +1,11 @@
 //! rparse as a program and the rooms behind it: round trips, recorded answers of RADIANCE's programs, and RADIANCE itself over many
 //! real files where both are there.
 
+mod fed;
 #[path = "corpus/files.rs"]
 mod files;
 
+use fed::fed;
 use inverad::error::Source;
 use inverad::expand::{Flat, expand};
 use inverad::rad::{Document, Primitive};
@@ -11,24 +13,14 @@ use inverad::resolve::Files;
 use proptest::prelude::*;
 use rayon::prelude::*;
 use std::fs;
-use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
+use std::process::Command;
 
 /// Runs rparse in `directory` with these arguments, and `input` on its standard input: status, output, what was said.
 fn rparse(directory: &Path, arguments: &[&str], input: &[u8]) -> (i32, Vec<u8>, String) {
     let mut command = Command::new(env!("CARGO_BIN_EXE_rparse"));
-    let output = run(command.args(arguments).current_dir(directory).env_remove("RAD_COMMANDS"), input);
+    let output = fed(command.args(arguments).current_dir(directory).env_remove("RAD_COMMANDS"), input);
     (output.status.code().unwrap(), output.stdout, String::from_utf8_lossy(&output.stderr).into_owned())
-}
-
-fn run(command: &mut Command, input: &[u8]) -> Output {
-    let mut child = command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-    let mut stdin = child.stdin.take().unwrap();
-    std::thread::scope(|scope| {
-        scope.spawn(move || stdin.write_all(input));
-        child.wait_with_output().unwrap()
-    })
 }
 
 /// What rparse prints on a text that it has nothing to say about.
@@ -161,7 +153,7 @@ fn commands_run_only_when_allowed() {
     fs::write(directory.path().join("scene.rad"), scene).unwrap();
     for (more, wanted) in [(&[][..], 2), (&["--commands", "deny"], 2), (&["--commands", "allow"], 0)] {
         let mut render = Command::new(env!("CARGO_BIN_EXE_rtrace-rs"));
-        let output = run(render.args(["-h", "scene.rad"]).args(more).current_dir(directory.path()).env_remove("RAD_COMMANDS"), b"");
+        let output = fed(render.args(["-h", "scene.rad"]).args(more).current_dir(directory.path()).env_remove("RAD_COMMANDS"), b"");
         assert_eq!(output.status.code(), Some(wanted), "{}", String::from_utf8_lossy(&output.stderr));
         assert_eq!(directory.path().join("pwned").exists(), wanted == 0);
     }
@@ -281,7 +273,7 @@ enum Verdict {
 /// Compares rparse with RADIANCE's programs on one file, alone in its directory.
 fn compare(path: &Path) -> Verdict {
     let (directory, name) = (path.parent().unwrap(), path.file_name().unwrap().to_str().unwrap());
-    let radiance = |program: &str, argument: &[&str], input: &[u8]| run(Command::new(program).args(argument).current_dir(directory), input);
+    let radiance = |program: &str, argument: &[&str], input: &[u8]| fed(Command::new(program).args(argument).current_dir(directory), input);
     let oconv = radiance("oconv", &[name], b"");
     if !oconv.status.success() {
         let (status, _, said) = rparse(directory, &["--check", name], b"");
