@@ -113,6 +113,10 @@ fn in_less_time_it_is_less_sure() {
         let ((value, error, _), (_, least, _)) = (line(&hurried, name), line(&whole, name));
         assert!(error > least && (value - truth).abs() < 3.0 * error, "{name}: {value} ± {error}, not {truth} ± {least}");
     }
+    // Of another type it is doubted even so, however few pixels there was time for.
+    let doubted = ["the picture is not what this makes", "whole areas"];
+    let told = |time: &str| doubted.iter().any(|doubt| lines(time).iter().any(|line| line.contains(doubt)));
+    assert!(!told("--time .001") && told("--time .001 --type glass"));
 }
 
 #[test]

@@ -15,7 +15,7 @@ use crate::integrator::survey;
 use crate::metric::{self, Named};
 use crate::picture::{Header, Picture, shrunk};
 use crate::rad::{Class, Document, Number, Primitive};
-use crate::recover::around::otherwise_around;
+use crate::recover::around::{otherwise_around, otherwise_there};
 use crate::recover::{Evidence, Recovery, dead, inside_out, otherwise, saturated};
 use crate::render::{Film, Filter};
 use crate::report::{Setting, Views};
@@ -213,6 +213,12 @@ impl<'a> Photo<'a> {
         by(&self.world).map_or(Ok(None), |_| Ok(by(&self.setting().world(&self.unknown.reals(&found.values))?)))
     }
 
+    /// What is to be said if the unknown is otherwise in the picture than as it was found by the few of its pixels that there was time for.
+    pub fn otherwise_there(&self, found: &Recovery) -> Result<Option<String>> {
+        let world = self.setting().world(&self.unknown.reals(&found.values))?;
+        Ok(otherwise_there(&self.evidence(), &world, self.unknown.exposures(&found.values), self.material, self.seed))
+    }
+
     /// What is to be said where nothing explains the picture, if the unknown is inside out.
     pub fn inside_out(&self, found: &Recovery) -> Option<String> {
         inside_out::said(&self.evidence(), &self.unknown, self.material).filter(|_| !found.explained())
@@ -279,13 +285,11 @@ impl<'a> Photo<'a> {
         self.material
     }
 
-    /// Takes its pixels to be blurred as they were found to be, where that was sought; and what is to be said of that.
-    pub fn blurred(&mut self, found: &Recovery) -> Option<String> {
-        let blur = found.sharpness()?;
-        if self.film.filter.variance() != blur.taken {
+    /// Takes its pixels to be blurred as they were found to be, where that was sought.
+    pub fn blur(&mut self, found: &Recovery) {
+        if let Some(blur) = found.sharpness().filter(|blur| blur.taken != self.film.filter.variance()) {
             self.film.filter = Filter::blurring(blur.taken);
         }
-        Some(blur.title())
     }
 
     /// Puts another unknown into the place of its own.

@@ -26,6 +26,7 @@ pub fn recover(start: &str, target: &str, arguments: &Arguments, console: &Conso
     let found = match found {
         Some(found) => {
             photo.leave_out(&found.dead);
+            photo.blur(&found.recovery);
             found
         }
         None => {
@@ -43,7 +44,7 @@ pub fn recover(start: &str, target: &str, arguments: &Arguments, console: &Conso
     let found = found.recovery;
     cut.then(|| console.note("interrupted: the values are those of the samples taken by then"));
     let answer = answer::Answer::new(unknown, &found.values, Some(&found.known()));
-    said.title.extend(photo.blurred(&found));
+    said.title.extend(found.sharpness().map(|blur| blur.title()));
     said.title.push(format!("chi2 {} over {} pixels", answer::six(found.chi2), found.pixels));
     let answered = Output::whole(arguments.common.output.as_deref(), &answer.file(&said.title)?);
     said.doubts.extend_from_slice(answer.doubts());
@@ -80,7 +81,11 @@ fn found_in(photo: &mut Photo, effort: Effort, stopped: &dyn Fn() -> bool, conso
             photo.count(counted);
         }
     }
-    let others = [saturated, dead::said(&dead, photo.width(), left_out), strays(&recovery, photo.width()), photo.inside_out(&recovery)];
+    photo.blur(&recovery);
+    let hurried = (effort.until)().is_some() && recovery.explained();
+    let there = if hurried { photo.otherwise_there(&recovery)? } else { None };
+    let others =
+        [there, saturated, dead::said(&dead, photo.width(), left_out), strays(&recovery, photo.width()), photo.inside_out(&recovery)];
     let doubts = photo.otherwise_around(&recovery)?.into_iter().chain(others.into_iter().flatten()).collect();
     Ok((Found { recovery, dead: if left_out { dead } else { vec![] } }, doubts))
 }

@@ -10,9 +10,10 @@ use crate::scene::MaterialId;
 use crate::unknown::EXPOSURES;
 use crate::world::World;
 
-/// About so many pairs of neighbours are looked at, and so many that are known tell something.
+/// About so many pairs of neighbours are looked at, and so many tell something; those on the unknown are sought among more.
 const LOOKED_AT: usize = 300;
 const FEWEST: usize = 30;
+const THERE: usize = 10 * LOOKED_AT;
 /// By which part of itself the light of known things is off at the least for it to be said: of all alike, half of them within less than that and within
 /// this part of what they have in common; of neighbours together, beyond so many standard errors.
 const OFF: f64 = 0.05;
@@ -32,25 +33,61 @@ pub fn otherwise_around(
     if world.has_field() {
         return None;
     }
-    let finite = |n: &usize| evidence.target.pixels[*n].iter().all(|v| v.is_finite());
-    let known = |n: &usize| evidence.counts(*n) && finite(n) && !evidence.touches(*n, material);
-    let pairs = evidence.film.some(LOOKED_AT).filter(|n| (n + 1) % evidence.film.width != 0).map(|n| [n, n + 1]);
-    let numbers = pairs.filter(|pair| pair.iter().all(known)).collect::<Vec<_>>().concat();
-    if numbers.len() < 2 * FEWEST {
-        return None;
-    }
-    let rendered = |seed: u64| -> Vec<Rgb> { evidence.rendered(world, &numbers, seed).pixels.iter().map(|pixel| pixel.mean()).collect() };
-    let scene = rendered(seed);
-    let by = exposures.unwrap_or([1.0; 3]);
-    let picture: Vec<Rgb> =
-        numbers.iter().map(|&n| std::array::from_fn(|c| f64::from(evidence.target.pixels[n][c]) / by[c]).into()).collect();
+    let looked_at = Looked::new(evidence, LOOKED_AT, |n| !evidence.touches(n, material))?;
+    let scene = looked_at.rendered(world, seed);
+    let picture = looked_at.photographed(exposures.unwrap_or([1.0; 3]));
     let said = match common([0, 1, 2].map(|c| factor(&picture, &scene, |light| light[c]))).filter(|_| exposures.is_none()) {
         Some(factors) => exposed(factors, factor(&picture, &scene, bright)),
-        None => displaced(&picture, &scene, &rendered(mix64(seed)))?,
+        None => format!(
+            "around the unknown the picture is not as the scene is there, neighbours together by {:.0} %: the light, the view or what is there may not be those of the photograph",
+            100.0 * displaced(&picture, &scene, &looked_at.rendered(world, mix64(seed)))?
+        ),
     };
     let bounces = evidence.rules.ambient_bounces;
     let cut = bounces != Rules::default().ambient_bounces;
     Some(if cut { format!("{said}; or it holds light of more bounces than -ab {bounces}, as a photograph does") } else { said })
+}
+
+/// What is to be said if the unknown is otherwise in the picture than in a world where it is what was found, as few pixels may not show.
+pub fn otherwise_there(evidence: &Evidence, world: &World, exposures: [f64; 3], material: MaterialId, seed: u64) -> Option<String> {
+    let looked_at = Looked::new(evidence, THERE, |n| evidence.filled(n, material))?;
+    let [scene, again] = [seed, mix64(seed)].map(|seed| looked_at.rendered(world, seed));
+    displaced(&looked_at.photographed(exposures), &scene, &again).map(|part| {
+        format!(
+            "the picture is not what this makes, neighbours together by {:.0} %: the type, the light or the view may not be those of the photograph, \
+             and more --time would tell by how much that moves each value",
+            100.0 * part
+        )
+    })
+}
+
+/// Pairs of neighbours whose noise is their own, one after the other.
+struct Looked<'a> {
+    evidence: &'a Evidence<'a>,
+    numbers: Vec<usize>,
+}
+
+impl<'a> Looked<'a> {
+    /// About so many of all over the picture that count and are all `such`; `None` if they are too few to tell something.
+    fn new(evidence: &'a Evidence<'a>, count: usize, such: impl Fn(usize) -> bool) -> Option<Self> {
+        let finite = |n: usize| evidence.target.pixels[n].iter().all(|v| v.is_finite());
+        let known = |&n: &usize| evidence.counts(n) && finite(n) && such(n);
+        let (width, apart) = (evidence.film.width, evidence.film.filter.spacing());
+        let pairs = evidence.film.some(count).filter(|n| n % width + apart < width).map(|n| [n, n + apart]);
+        let numbers = pairs.filter(|pair| pair.iter().all(known)).take(LOOKED_AT).collect::<Vec<_>>().concat();
+        (numbers.len() >= 2 * FEWEST).then_some(Self { evidence, numbers })
+    }
+
+    /// What a world shows there.
+    fn rendered(&self, world: &World, seed: u64) -> Vec<Rgb> {
+        self.evidence.rendered(world, &self.numbers, seed).pixels.iter().map(|pixel| pixel.mean()).collect()
+    }
+
+    /// What the picture does, which is brighter by these factors.
+    fn photographed(&self, exposures: [f64; 3]) -> Vec<Rgb> {
+        let light = |&n: &usize| std::array::from_fn(|c| f64::from(self.evidence.target.pixels[n][c]) / exposures[c]).into();
+        self.numbers.iter().map(light).collect()
+    }
 }
 
 /// By how much light of the picture is brighter than that of the scene, if it is so all alike.
@@ -95,9 +132,9 @@ fn exposed(factors: [f64; 3], all: Option<f64>) -> String {
     }
 }
 
-/// That neighbours are off together, which no noise of a pixel makes, in any other way: in terms of what a rendering of its own has, since what this one
+/// By which part neighbours are off together, which no noise of their own makes: in terms of what a rendering of its own has, since what this one
 /// lacks by chance it is off by too.
-fn displaced(picture: &[Rgb], scene: &[Rgb], again: &[Rgb]) -> Option<String> {
+fn displaced(picture: &[Rgb], scene: &[Rgb], again: &[Rgb]) -> Option<f64> {
     let [picture, scene, again] = [picture, scene, again].map(|lights| lights.as_chunks::<2>().0);
     let products = picture.iter().zip(scene).zip(again).filter_map(|((picture, scene), again)| {
         let ([a, b], [c, d]) = (picture.map(bright), scene.map(bright));
@@ -107,12 +144,7 @@ fn displaced(picture: &[Rgb], scene: &[Rgb], again: &[Rgb]) -> Option<String> {
     let products: Vec<f64> = products.collect();
     let mean = products.iter().sum::<f64>() / products.len() as f64;
     let error = products.iter().map(|product| (product - mean).powi(2)).sum::<f64>().sqrt() / products.len() as f64;
-    (mean > OFF * OFF && mean > SURE * error).then(|| {
-        format!(
-            "around the unknown the picture is not as the scene is there, neighbours together by {:.0} %: the light, the view or what is there may not be those of the photograph",
-            100.0 * mean.sqrt()
-        )
-    })
+    (mean > OFF * OFF && mean > SURE * error).then(|| mean.sqrt())
 }
 
 #[cfg(test)]

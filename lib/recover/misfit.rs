@@ -27,17 +27,24 @@ struct Field {
 /// By how much of their light whole areas are off, on the average; 0 where noise may be all of it.
 ///
 /// White and black fields of an area share no pixel, so no noise: the mean product of what is left of either is the square of what they
-/// have in common, whatever the noise. But both may have been weighed by the same noise, by which what is too dark by chance counts for more: what
-/// one half of the samples leaves is weighed by how the other's differ.
+/// have in common, whatever the noise. Where a filter lets neighbours share theirs, the fields are columns so far apart that they do not. But both may
+/// have been weighed by the same noise, by which what is too dark by chance counts for more: what one half of the samples leaves is weighed by how the
+/// other's differ.
 pub fn misfit(sheet: &Sheet, basis: &Basis, halves: &[Half]) -> f64 {
     let weights = [1, 0].map(|other| by_noise(sheet, basis, other));
+    let spacing = sheet.spacing();
+    let field = |x: usize, y: usize| match spacing {
+        1 => Some((x + y) % 2),
+        _ => x.is_multiple_of(spacing).then_some(x / spacing % 2),
+    };
     let mut areas: BTreeMap<(usize, usize), [[[Field; 2]; 2]; 3]> = BTreeMap::new();
     for (p, &number) in sheet.numbers.iter().enumerate() {
         let (x, y) = sheet.place(number);
+        let Some(colour) = field(x, y) else { continue };
         let area = areas.entry((x / AREA, y / AREA)).or_default();
         for (c, each) in area.iter_mut().enumerate() {
             for (half, fields) in each.iter_mut().enumerate() {
-                let (field, w, value) = (&mut fields[(x + y) % 2], weights[half][p][c], halves[half][p][c]);
+                let (field, w, value) = (&mut fields[colour], weights[half][p][c], halves[half][p][c]);
                 field.pixels += 1;
                 field.weight += w;
                 field.rest += w * (sheet.target[p][c] as f64 - value);

@@ -75,6 +75,11 @@ impl<'a> Sheet<'a> {
         (number % self.evidence.film.width, number / self.evidence.film.width)
     }
 
+    /// So far apart pixels hold hardly any of the same light, and so of the same noise.
+    pub fn spacing(&self) -> usize {
+        self.evidence.film.filter.spacing()
+    }
+
     /// How much a pixel counts.
     pub fn weight(&self, i: usize) -> f64 {
         self.evidence.mask.map_or(1.0, |mask| mask[self.numbers[i]] as f64)

@@ -76,6 +76,12 @@ impl Filter {
         filter
     }
 
+    /// So many pixels apart, those that take in light of their neighbours have hardly any in common: exp(−4) of a Gaussian's, and less.
+    pub fn spacing(&self) -> usize {
+        let overlap = self.step * self.sums.len() as f64 > 1.0 + 1e-6;
+        if overlap { (4.0 * self.variance().sqrt()).ceil() as usize } else { 1 }
+    }
+
     /// Its variance along each axis, in pixels².
     pub fn variance(&self) -> f64 {
         let middle = 0.5 * (self.sums.len() as f64 - 1.0);
