@@ -82,8 +82,8 @@ fn found_in(photo: &mut Photo, effort: Effort, stopped: &dyn Fn() -> bool, conso
         }
     }
     photo.blur(&recovery);
-    let hurried = (effort.until)().is_some() && recovery.explained();
-    let there = if hurried { photo.otherwise_there(&recovery)? } else { None };
+    let hurried = (effort.until)().is_some() && recovery.pixels < FEW;
+    let there = if hurried && recovery.explained() { photo.otherwise_there(&recovery)? } else { None };
     let others =
         [there, saturated, dead::said(&dead, photo.width(), left_out), strays(&recovery, photo.width()), photo.inside_out(&recovery)];
     let doubts = photo.otherwise_around(&recovery)?.into_iter().chain(others.into_iter().flatten()).collect();
@@ -97,6 +97,8 @@ fn recovered(photo: &Photo, effort: Effort, console: &Console) -> Result<Recover
     recover::recover(&evidence, photo.unknown(), photo.material(), effort, &|so_far| console.progress(|| so_far.into()))
 }
 
+/// Fewer pixels, looked at in a hurry, may not show that nothing explains the picture.
+const FEW: usize = 300;
 /// So many pixels that nothing explains may be faults of a camera; more are something else.
 const FAULTS: usize = 12;
 
