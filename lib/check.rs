@@ -1,6 +1,6 @@
 //! What is wrong with a scene, all of it in one go: what makes `oconv` or the renderer stop, and what they only warn of.
 
-use crate::error::Error;
+use crate::error::{Error, Span};
 use crate::expand::Flat;
 use crate::geometry::Shape;
 use crate::material::is_of_lamps;
@@ -58,10 +58,14 @@ pub fn check(flat: &Flat, resolve: &dyn Resolve) -> Problems {
     }
     let mut problems = checker.problems;
     // What the renderer says beside, once at each place: all users of a modifier find the same wrong with it.
-    let place = |error: &Error| error.place.as_ref().map(|place| (place.source.name.clone(), place.start));
+    let at = |place: &Span| (place.source.name.clone(), place.start);
+    let place = |error: &Error| error.place.as_ref().map(at);
     let mut told: HashSet<_> = problems.errors.iter().map(place).collect();
     let read = primitives.iter().enumerate().filter(|(i, _)| !unread.contains(i)).map(|(_, primitive)| primitive);
     problems.errors.extend(Scene::problems(read, &flat.annotations, resolve).into_iter().filter(|error| told.insert(place(error))));
+    // All that a command prints may have one thing wrong with it.
+    let mut written = HashSet::new();
+    problems.errors.retain(|error| written.insert((error.place.as_ref().map(Span::written).map(at), error.message.clone())));
     problems
 }
 
@@ -122,8 +126,8 @@ impl<'a> Checker<'a> {
         let (modifiers, surfaces) = &self.known_names;
         match modifiers.get(name) {
             Some(&i) if i >= user => {
-                let (line, _) = self.primitives[i].span.line_column();
-                let file = &self.primitives[i].span.source.name;
+                let written = self.primitives[i].span.written();
+                let (file, (line, _)) = (&written.source.name, written.line_column());
                 format!("no modifier `{name}` is defined before this: it is only later, in {file} line {line}; move the definition up")
             }
             _ if surfaces.contains(name) => format!("no modifier is called `{name}`: only a surface is; name its modifier"),

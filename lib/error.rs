@@ -10,6 +10,8 @@ pub struct Source {
     pub name: String,
     /// The whole text.
     pub text: String,
+    /// The command that printed it, if one did.
+    printed_by: Option<Span>,
     /// Where each line begins; found when first asked for.
     lines: OnceLock<Vec<usize>>,
 }
@@ -17,7 +19,12 @@ pub struct Source {
 impl Source {
     /// A source of that name and text.
     pub fn new(name: impl Into<String>, text: impl Into<String>) -> Arc<Self> {
-        Arc::new(Self { name: name.into(), text: text.into(), lines: OnceLock::new() })
+        Arc::new(Self { name: name.into(), text: text.into(), printed_by: None, lines: OnceLock::new() })
+    }
+
+    /// What a command of that name printed.
+    pub fn printed(name: impl Into<String>, text: impl Into<String>, by: &Span) -> Arc<Self> {
+        Arc::new(Self { name: name.into(), text: text.into(), printed_by: Some(by.clone()), lines: OnceLock::new() })
     }
 
     /// Where each line begins.
@@ -58,6 +65,19 @@ impl Span {
         (line, String::from_utf8_lossy(before).chars().count() + 1)
     }
 
+    /// Where somebody wrote it: here, or in the command that printed it.
+    pub fn written(&self) -> &Self {
+        self.source.printed_by.as_ref().map_or(self, Self::written)
+    }
+
+    /// `file:line:column` of where somebody wrote it, and which line of what is printed there it is in, if it is in one.
+    fn said(&self) -> (String, String) {
+        let written = self.written();
+        let (line, column) = written.line_column();
+        let printed = self.source.printed_by.as_ref().map(|_| format!(" (in line {} of what this prints)", self.line_column().0));
+        (format!("{}:{line}:{column}", shortened(&printable(&written.source.name))), printed.unwrap_or_default())
+    }
+
     /// An error at this place. The message says what is wrong and, where known, what to do about it.
     pub fn error(&self, message: impl Into<String>) -> Error {
         Error { message: message.into(), place: Some(self.clone()) }
@@ -85,8 +105,8 @@ impl Error {
     /// `file:line:column: message`, for what is no error but a warning.
     pub fn remark(&self) -> String {
         let Some(place) = &self.place else { return self.message.clone() };
-        let (line, column) = place.line_column();
-        format!("{}:{line}:{column}: {}", place.source.name, self.message)
+        let (at, printed) = place.said();
+        format!("{at}: {}{printed}", self.message)
     }
 }
 
@@ -104,8 +124,10 @@ impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let message = shortened(&printable(&self.message));
         let Some(place) = &self.place else { return write!(f, "error: {message}") };
+        let (at, printed) = place.said();
+        write!(f, "{at}: error: {message}{printed}")?;
+        let place = place.written();
         let (line, column) = place.line_column();
-        write!(f, "{}:{line}:{column}: error: {message}", shortened(&printable(&place.source.name)))?;
         let Some(text) = place.source.text.get(place.source.lines()[line - 1]..).and_then(|rest| rest.lines().next()) else {
             return Ok(());
         };

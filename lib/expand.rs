@@ -229,7 +229,7 @@ impl Expander<'_> {
                     let beyond = foreign.map(|(program, option)| format!("{option} is an option of RADIANCE's own {program} only; "));
                     span.error(beyond.unwrap_or_default() + &e.message)
                 })?;
-                let items = self.read(&format!("!{text}"), bytes)?;
+                let items = self.read(Source::printed(format!("!{text}"), decode(bytes), span))?;
                 self.count(items.len()).map_err(|e| span.error(e.message))?;
                 items
             }
@@ -241,8 +241,8 @@ impl Expander<'_> {
     }
 
     /// The items of a text, its commands not carried out.
-    fn read(&mut self, name: &str, bytes: Vec<u8>) -> Result<Vec<Item>> {
-        let (document, mut errors) = Document::parse_all_errors(Source::new(name, decode(bytes)));
+    fn read(&mut self, text: Arc<Source>) -> Result<Vec<Item>> {
+        let (document, mut errors) = Document::parse_all_errors(text);
         if self.errors.len() + errors.len() >= self.patience && !errors.is_empty() {
             return Err(errors.swap_remove(0));
         }
@@ -254,7 +254,7 @@ impl Expander<'_> {
         let mut items = Vec::new();
         for stage in stages {
             let mut out = Vec::new();
-            match self.stage(stage, items, folder, &mut out) {
+            match self.stage(stage, &command.span, items, folder, &mut out) {
                 Ok(()) => {}
                 Err(Stop::Failed(error)) => self.warn(&command.span, &error.message),
                 Err(Stop::Fatal(error)) => return Err(if error.place.is_some() { error } else { command.span.error(error.message) }),
@@ -264,8 +264,8 @@ impl Expander<'_> {
         Ok(items)
     }
 
-    /// Runs one program of a pipeline on what the one before printed; appends to `out` what it prints.
-    fn stage(&mut self, stage: Stage, input: Vec<Item>, folder: &str, out: &mut Vec<Item>) -> Step<()> {
+    /// Runs one program of a pipeline that stands at `span` on what the one before printed; appends to `out` what it prints.
+    fn stage(&mut self, stage: Stage, span: &Span, input: Vec<Item>, folder: &str, out: &mut Vec<Item>) -> Step<()> {
         let input = match &stage.input {
             Some(name) => self.scene(name, folder)?,
             None => input,
@@ -285,7 +285,7 @@ impl Expander<'_> {
             }
         };
         let text = printed.map_err(Stop::Failed)?;
-        out.append(&mut self.read(&format!("!{}", stage.words.join(" ")), text.into_bytes()).map_err(fatal)?);
+        out.append(&mut self.read(Source::printed(format!("!{}", stage.words.join(" ")), text, span)).map_err(fatal)?);
         self.count(out.len()).map_err(fatal)
     }
 
@@ -318,7 +318,7 @@ impl Expander<'_> {
         let path = joined(folder, name);
         self.enter(&path).map_err(fatal)?;
         let bytes = self.resolve.scene(&path).map_err(Stop::Failed)?;
-        self.read(&path, bytes).map_err(fatal)
+        self.read(Source::new(path, decode(bytes))).map_err(fatal)
     }
 
     fn xform(&mut self, arguments: &[String], input: Vec<Item>, folder: &str, out: &mut Vec<Item>) -> Step<()> {
@@ -362,7 +362,7 @@ impl Expander<'_> {
         }
         self.enter(&path).map_err(fatal)?;
         let (path, bytes) = self.library(&path, name).map_err(Stop::Failed)?;
-        let items = self.read(&path, bytes).map_err(fatal)?;
+        let items = self.read(Source::new(&path, decode(bytes))).map_err(fatal)?;
         if !expand {
             return Ok(Arc::new(items));
         }

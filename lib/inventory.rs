@@ -60,8 +60,9 @@ impl Inventory {
             let Some((first, _)) = needing.next() else { continue };
             stock.requires.push(feature);
             if !feature.rendered {
-                let (line, _) = first.span.line_column();
-                stock.unsupported.push((feature, 1 + needing.count(), format!("{}:{line}", first.span.source.name)));
+                let written = first.span.written();
+                let at = format!("{}:{}", written.source.name, written.line_column().0);
+                stock.unsupported.push((feature, 1 + needing.count(), at));
             }
         }
         stock

@@ -123,6 +123,19 @@ fn a_check_says_what_the_renderer_would_refuse_beside_all_else() {
 }
 
 #[test]
+fn what_is_wrong_with_what_a_command_prints_is_said_once_where_the_command_stands() {
+    let directory = tempfile::tempdir().unwrap();
+    fs::write(directory.path().join("inner.rad"), "\n!genbox oak box 1 1 1 | xform -n inner\n").unwrap();
+    let scene = b"# A box, and one in another file.\n!genbox pine box 1 1 1\n!xform -t 2 0 0 inner.rad\n";
+    let (status, _, said) = rparse(directory.path(), &["--check"], scene);
+    let lines: Vec<&str> = said.lines().filter(|line| line.starts_with("rparse: ")).collect();
+    let [pine, oak] = &lines[..] else { panic!("{said}") };
+    assert!(status == 1 && pine.starts_with("rparse: <stdin>:2:1: error: no modifier `pine` is defined before this"), "{said}");
+    assert!(pine.ends_with(" (in line 2 of what this prints)") && said.contains("  !genbox pine box 1 1 1\n  ^^^^^^^\n"), "{said}");
+    assert!(oak.starts_with("rparse: inner.rad:2:1: error: no modifier `oak`"), "{said}");
+}
+
+#[test]
 fn an_octree_is_told_from_a_scene_file_and_a_command_that_was_typed_is_run() {
     let directory = tempfile::tempdir().unwrap();
     fs::write(directory.path().join("x.oct"), include_bytes!("import/plain.oct")).unwrap();

@@ -104,7 +104,7 @@ pub fn scenes() -> Vec<Case> {
         ("a program after a pipe", format!("!echo x | sh -c 'id'\n{SCENE}"), "bad:1:", All),
         ("a file that includes itself", format!("{SCENE}!cat bad\n"), "bad:", All),
         ("a file that transforms itself", format!("{SCENE}!xform -t 1 0 0 bad\n"), "bad:", All),
-        ("a bomb of copies", format!("{SCENE}!echo '!echo !xform -a 1000 x' | xform -a 1000\n"), "!echo", All),
+        ("a bomb of copies", format!("{SCENE}!echo '!echo !xform -a 1000 x' | xform -a 1000\n"), "bad:10:", All),
     ];
     let rows: Vec<_> = rows.into_iter().chain(bombs().into_iter().map(|(label, text)| (label, text, "bad:", Check))).collect();
     let mut cases = Vec::new();
