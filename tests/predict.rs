@@ -102,6 +102,22 @@ fn of_a_mirror() {
 }
 
 #[test]
+fn what_a_recovery_does_not_wait_for_is_said() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path();
+    fs::write(path.join("start.rad"), "void plastic it 0 0 5 .6 .4 .2 .1 .15\n").unwrap();
+    fs::write(path.join("scene.rad"), format!("{SKY}{BULB}{BALL}")).unwrap();
+    let earlier = |size: &str| {
+        let printed = anneal(path, &format!("{VIEW} --predict {size} --scene scene.rad start.rad"));
+        printed
+            .lines()
+            .find_map(|line| line.strip_prefix("# unless --tolerance asks for more, a recovery ends earlier: ").map(String::from))
+    };
+    assert_eq!(earlier("-x 160 -y 160").as_deref(), Some("red ± 0.0018, green ± 0.0018, blue ± 0.0018, spec ± 0.0018 and rough ± 0.0024"));
+    assert_eq!(earlier("-x 8 -y 8"), None);
+}
+
+#[test]
 fn a_lamp_would_help_where_the_light_is_even() {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path();
