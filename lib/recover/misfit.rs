@@ -3,7 +3,7 @@
 //! Noise differs from pixel to pixel. What whole areas are off by, the model does not explain: the light, the shape or the type of the
 //! material are not those of the photograph, and standard errors, which go by the noise, do not count it.
 
-use super::sheet::{COMMON, Half, Sheet};
+use super::sheet::{COMMON, Half, Sheet, glints};
 use crate::transport::Basis;
 use std::collections::BTreeMap;
 
@@ -72,18 +72,24 @@ pub fn misfit(sheet: &Sheet, basis: &Basis, halves: &[Half]) -> f64 {
     if common > SURE * squares.sqrt() && light > 0.0 { (common / light).sqrt() } else { 0.0 }
 }
 
-/// Weights that go by the noise of one half, in each pixel and those beside it, and by what the target's file may round all pixels of an area by.
+/// Weights that go by the noise of one half, in each pixel and those beside it, and by what the target's file may round all pixels of an area by;
+/// none where one half alone has caught a glint, as it may have in pixels of both colours.
 fn by_noise(sheet: &Sheet, basis: &Basis, half: usize) -> Vec<[f64; 3]> {
+    let glint = |p: usize| {
+        let both = [0, 1].map(|half| basis.variances[2 * p + half].iter().copied().map(f64::from).sum());
+        both.iter().all(|variance| *variance > 0.0) && glints(both)
+    };
     let noise = |p: usize| {
         let (variances, samples) = (basis.variances[2 * p + half], basis.samples[2 * p + half] as f64);
         std::array::from_fn(|c| variances[c] as f64 / samples + sheet.step(p, c).powi(2))
     };
     let noise: Vec<[f64; 3]> = (0..sheet.numbers.len()).map(noise).collect();
-    let weigh = |(relative, noise): (&[f32; 3], [f64; 3])| {
+    let blurred = sheet.blurred(&noise, 1);
+    let weigh = |p: usize| {
         std::array::from_fn(|c| {
-            let relative = relative[c] as f64;
-            relative / (COMMON * COMMON + relative * noise[c])
+            let relative = if glint(p) { 0.0 } else { f64::from(sheet.relative[p][c]) };
+            relative / (COMMON * COMMON + relative * blurred[p][c])
         })
     };
-    sheet.relative.iter().zip(sheet.blurred(&noise, 1)).map(weigh).collect()
+    (0..sheet.numbers.len()).map(weigh).collect()
 }

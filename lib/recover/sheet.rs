@@ -213,8 +213,7 @@ impl<'a> Sheet<'a> {
         let floor = (0.01 * self.level).powi(2);
         let photographed = self.samples(halves, variances);
         let weights = |i: usize| -> ([[f32; 3]; 2], f32) {
-            let [a, b] = [0, 1].map(|half: usize| variances[half][i].iter().sum::<f64>());
-            if a.max(b) > GLINT * a.min(b) {
+            if glints([0, 1].map(|half: usize| variances[half][i].iter().sum())) {
                 return ([[0.0; 3]; 2], 1.0);
             }
             let own = |half: usize| 0.5 / samples[2 * i + half] as f64;
@@ -297,6 +296,12 @@ const OWN: f64 = 1.0;
 /// Where the variances of two halves have this ratio, one has caught a glint, of the sun perhaps, that the other and the photograph have missed:
 /// there is no saying how much such a pixel tells.
 const GLINT: f64 = 1e4;
+
+/// Whether halves of these variances are so.
+pub fn glints([a, b]: [f64; 2]) -> bool {
+    a.max(b) > GLINT * a.min(b)
+}
+
 /// The part of its value by which a pixel may be off besides its noise, and many at once: by the light, the shape, the formula of a lobe.
 pub const COMMON: f64 = 0.015;
 

@@ -78,8 +78,7 @@ impl Filter {
 
     /// So many pixels apart, those that take in light of their neighbours have hardly any in common: exp(−4) of a Gaussian's, and less.
     pub fn spacing(&self) -> usize {
-        let overlap = self.step * self.sums.len() as f64 > 1.0 + 1e-6;
-        if overlap { (4.0 * self.variance().sqrt()).ceil() as usize } else { 1 }
+        self.beyond().map_or(1, |variance| (4.0 * variance.sqrt()).ceil() as usize)
     }
 
     /// Its variance along each axis, in pixels².
