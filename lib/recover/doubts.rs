@@ -247,7 +247,7 @@ pub fn lusterless(unknown: &Unknown, values: &[f64], seen: &Symmetric) -> bool {
 }
 
 /// A specularity of so many standard errors may be none.
-const FAINT: f64 = 2.0;
+pub const FAINT: f64 = 2.0;
 
 /// A specularity below this is hardly any.
 const DULL: f64 = 0.003;

@@ -3,7 +3,7 @@
 use super::Sought;
 use crate::anneal::Parameter;
 use crate::color::Rgb;
-use crate::recover::doubts::UNDETERMINED;
+use crate::recover::doubts::{FAINT, UNDETERMINED};
 use crate::recover::foresight::telling;
 use crate::recover::look::Model;
 use crate::recover::model::{Grid, Kind, SPECULARITY, alphas, coefficients, exposed, nodes, parts};
@@ -27,9 +27,6 @@ const DOUBTFUL: f64 = 0.2;
 
 /// How many of all values that one may have are looked at where it is left open.
 const OPEN_VALUES: usize = 8;
-
-/// The standard errors that a specularity may be for there to be none, perhaps.
-const FAINT: f64 = 2.0;
 
 /// By how many standard errors a value must have moved for what goes by it to be worth another look; and by how much of all light it may be wrong.
 const MOVED: f64 = 2.0;
