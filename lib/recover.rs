@@ -29,6 +29,7 @@ mod sharpness;
 mod sheet;
 mod total;
 pub mod types;
+pub mod words;
 
 use crate::anneal::linear::Symmetric;
 use crate::error::{Error, Result};

@@ -19,7 +19,7 @@ use crate::picture::PRIMARIES;
 use crate::rays::Space;
 use crate::render::Filter;
 use crate::rules::defaults::SIZE;
-use crate::rules::{FRESNEL_OFFSET, Field, Rules, Ward};
+use crate::rules::{Field, Rules, Ward};
 use clap::ArgAction;
 use std::collections::HashSet;
 use std::path::PathBuf;
@@ -290,8 +290,9 @@ pub struct Light {
     pub ward: Option<String>,
 
     /// What the Fresnel term of polished surfaces is lowered by; RADIANCE from 2023 to 6.0.2: .00202943064
-    #[arg(long, value_name = "F", default_value_t = FRESNEL_OFFSET)]
-    pub fresnel_offset: f64,
+    /// [default: that of RADIANCE since, or of the release that the header of a target names]
+    #[arg(long, value_name = "F")]
+    pub fresnel_offset: Option<f64>,
 
     /// Options that only tune RADIANCE's approximations are accepted and do nothing: there is nothing to tune
     #[command(flatten)]
@@ -340,7 +341,7 @@ impl Light {
             irradiance: self.irradiance.unwrap_or(default.irradiance),
             field: if self.field.as_deref() == Some("nearest") { Field::Nearest } else { default.field },
             lobe: if self.ward.is_some() { Ward::Original } else { default.lobe },
-            fresnel_offset: self.fresnel_offset,
+            fresnel_offset: self.fresnel_offset.unwrap_or(default.fresnel_offset),
         })
     }
 

@@ -69,7 +69,7 @@ impl<'a> Photo<'a> {
         let light = &arguments.light;
         let mut rules = light.rules(&|file| scene::list(&disk, file))?;
         let reckoning = Reckoning::of(trail(taken.as_ref()));
-        let typed = [light.ab.is_some() || rules.ambient_bounces == 0, light.dj.or(light.ds).is_some()];
+        let typed = [light.ab.is_some() || rules.ambient_bounces == 0, light.dj.or(light.ds).is_some(), light.fresnel_offset.is_some()];
         if let Some(reckoning) = &reckoning {
             rules = reckoning.taken_into(rules, typed);
         }

@@ -5,8 +5,8 @@ use super::photo::Photo;
 use super::{Answer as Done, Console, Outcome, Output};
 use crate::args::anneal::Arguments;
 use crate::recover::answer::Answer;
-use crate::recover::doubts::{digits, list};
 use crate::recover::predict::{assumed, predict as predicted};
+use crate::recover::words::{digits, list};
 use crate::recover::{Effort, Evidence};
 use crate::unknown::Unknown;
 

@@ -7,7 +7,7 @@ use super::report::{self, Trail};
 use super::{Answer, Console, Outcome, Output, interrupted};
 use crate::args::anneal::Arguments;
 use crate::error::Result;
-use crate::recover::doubts::list;
+use crate::recover::words::list;
 use crate::recover::{self, Effort, Evidence, Recovery, answer, dead};
 use std::time::Instant;
 

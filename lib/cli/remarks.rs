@@ -40,7 +40,7 @@ fn misshapen(name: &str, target: &Picture, film: &Film) -> Option<String> {
     let rounded = 1.0 / target.width.min(target.height) as f64;
     let off = (seen / said).ln().abs() > SHAPE.max(rounded);
     off.then(|| {
-        let seen = Number(format!("{seen:.2e}").parse().unwrap_or(seen));
+        let seen = Number::rounded(seen, 3);
         format!(
             "{name} is {} x {} pixels, each {seen} times as high as wide by this view: if they are square, -vh or -vv is another, \
              or the picture was cropped (-vs, -vl); if not, a line PIXASPECT={seen} in its header says so",

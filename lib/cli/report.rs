@@ -8,7 +8,7 @@ use crate::metric::Loss;
 use crate::rad::decode;
 use crate::recover::Recovery;
 use crate::recover::answer::Answer;
-use crate::recover::doubts::digits;
+use crate::recover::words::digits;
 use crate::report::{Moment, Report};
 use crate::unknown::Unknown;
 use std::path::Path;

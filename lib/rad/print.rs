@@ -27,6 +27,13 @@ impl Display for Primitive {
 /// A number as the shortest text that reads back to it.
 pub struct Number(pub f64);
 
+impl Number {
+    /// The number with so many digits, one at the least.
+    pub fn rounded(x: f64, digits: usize) -> Self {
+        Self(format!("{x:.*e}", digits - 1).parse().unwrap_or(x))
+    }
+}
+
 impl Display for Number {
     fn fmt(&self, f: &mut Formatter) -> fmt::Result {
         // Whole numbers go without a fraction.

@@ -1,6 +1,7 @@
 //! The answer: the file with the values that were found, after what is to be said of them.
 
-use super::doubts::{Judgement, Known, Standing, at_bound, decimals, digits, judge, list, lusterless, may_exceed};
+use super::doubts::{Judgement, Known, Standing, at_bound, judge, lusterless, may_exceed};
+use super::words::{decimals, digits, list};
 use crate::anneal::Parameter;
 use crate::anneal::linear::Symmetric;
 use crate::error::Result;
@@ -128,5 +129,5 @@ pub fn missed(parameters: &[Parameter], errors: &[f64], tolerance: f64) -> Optio
 
 /// A number with six digits: all that mean anything in a χ².
 pub fn six(x: f64) -> Number {
-    Number(format!("{x:.5e}").parse().unwrap_or(x))
+    Number::rounded(x, 6)
 }

@@ -1,7 +1,7 @@
 //! Whether what is known of a picture, around the unknown, is as the scene has it.
 
 use super::Evidence;
-use super::doubts::list;
+use super::words::list;
 use crate::color::{Rgb, WHITE_EFFICACY, bright};
 use crate::rad::Number;
 use crate::rules::Rules;
@@ -109,7 +109,7 @@ fn common([red, green, blue]: [Option<f64>; 3]) -> Option<[f64; 3]> {
 
 /// That all is brighter or darker by these factors, as by another exposure, or by another white balance if they differ; `all` is that of all light.
 fn exposed(factors: [f64; 3], all: Option<f64>) -> String {
-    let two = |factor: f64| Number(format!("{factor:.1e}").parse().unwrap_or(factor));
+    let two = |factor: f64| Number::rounded(factor, 2);
     let param = |(name, factor): (&str, f64)| format!("--param {name}={}:{}:{}", two(factor), two(0.1 * factor), two(10.0 * factor));
     let remedy = "finds that, with something of the material known";
     let (least, most) = (factors.into_iter().fold(f64::INFINITY, f64::min), factors.into_iter().fold(0.0, f64::max));

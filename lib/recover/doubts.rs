@@ -5,6 +5,7 @@
 //! pixel, but not with a small error that many pixels have in common.
 
 use super::sheet::COMMON;
+use super::words::{by, digits, list, percent};
 use super::{Blur, clear};
 use crate::anneal::Parameter;
 use crate::anneal::linear::Symmetric;
@@ -294,36 +295,6 @@ fn remedy(unknown: &Unknown, values: &[f64], i: usize) -> &'static str {
     }
 }
 
-/// Words as a list: `a, b and c`.
-pub fn list(words: &[impl AsRef<str>]) -> String {
-    let words: Vec<&str> = words.iter().map(AsRef::as_ref).collect();
-    match &words[..] {
-        [first @ .., last] if !first.is_empty() => format!("{} and {last}", first.join(", ")),
-        _ => words.concat(),
-    }
-}
-
-/// How far something moves, to the first digit.
-fn by(far: f64) -> String {
-    format!("by {far:.0$}", decimals(far) - 1)
-}
-
-/// A part in percent, to a tenth.
-fn percent(part: f64) -> f64 {
-    (1000.0 * part).round() / 10.0
-}
-
-/// How many decimals show two digits of an error: of .0996, which is .10, two.
-pub fn decimals(error: f64) -> usize {
-    if error > 0.0 { (1 - (error / 0.995).log10().floor() as i32).clamp(1, 12) as usize } else { 6 }
-}
-
-/// A value with the digits that its error leaves it, and the error with two.
-pub fn digits(value: f64, error: f64) -> (String, String) {
-    let decimals = decimals(error);
-    (format!("{value:.decimals$}"), format!("{error:.decimals$}"))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -412,14 +383,5 @@ mod tests {
         assert!(said(1.0).contains("a filter of radius"), "{}", said(1.0));
         let far = said(1e6);
         assert!(far.contains("no filter blurs so much; the view, the shape or the light") && !far.contains("radius"), "{far}");
-    }
-
-    #[test]
-    fn an_error_is_shown_with_two_digits() {
-        for (error, shown) in
-            [(0.0996, "0.10"), (0.0994, "0.099"), (0.1, "0.10"), (0.0123, "0.012"), (0.00095, "0.00095"), (0.0009951, "0.0010")]
-        {
-            assert_eq!(digits(0.5, error).1, shown, "{error}");
-        }
     }
 }

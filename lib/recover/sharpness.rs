@@ -4,10 +4,10 @@
 //! (`pfilt -r .6`) make a roughness of .01 one of .02, and the pixels inside the object hardly tell. Its outline and that of what it mirrors do.
 
 use super::Recovery;
-use super::doubts::digits;
 use super::look::{Look, Traced};
 use super::scores::{Evaluation, Scores, Way};
 use super::sheet::{Half, Sheet};
+use super::words::digits;
 use crate::anneal::linear::Symmetric;
 use crate::render::Filter;
 use serde::{Deserialize, Serialize};

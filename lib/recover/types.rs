@@ -3,8 +3,8 @@
 //! Vuong's test (1989, equation 3.1) for models that are not nested: the difference of their losses, pixel by pixel, is measured by its own
 //! scatter. Pixels go together with their neighbours, so they are summed by blocks first.
 
-use super::doubts::list;
 use super::model::{Kind, parts};
+use super::words::list;
 use super::{Evidence, Recovery, tile};
 use crate::anneal::Parameter;
 use crate::unknown::Unknown;

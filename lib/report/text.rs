@@ -2,7 +2,7 @@
 
 use crate::error::Result;
 use crate::picture::png::write;
-use crate::recover::doubts::decimals;
+use crate::recover::words::decimals;
 
 /// Text as HTML shows it, in an element or a quoted attribute. Characters that no page may hold are shown as replaced.
 pub fn escape(text: &str) -> String {

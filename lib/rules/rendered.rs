@@ -1,7 +1,7 @@
 //! How a picture was rendered, by its header, and what that means for whoever recovers a material from it.
 
 use super::defaults::{SIZE, radiances};
-use super::{FRESNEL_OFFSET, Rules, UNWEIGHTED};
+use super::{Rules, UNWEIGHTED};
 use crate::picture::command_words;
 use std::f64::consts::PI;
 use std::ops::Range;
@@ -116,16 +116,16 @@ impl Reckoning {
         Some(Self { program: command.program().into(), bounces, lamps: jitter.map(|jitter| [jitter, division]), fresnel_offset })
     }
 
-    /// These rules with its bounces, and its lamps, where nothing was `typed` of those, and its Fresnel term, if they have the usual one.
-    pub fn taken_into(&self, mut rules: Rules, [bounces, lamps]: [bool; 2]) -> Rules {
+    /// These rules with its bounces, its lamps and its Fresnel term, where nothing was `typed` of those.
+    pub fn taken_into(&self, mut rules: Rules, [bounces, lamps, fresnel]: [bool; 3]) -> Rules {
         if !bounces {
             rules.ambient_bounces = self.bounces;
         }
         if let Some([jitter, division]) = self.lamps.filter(|_| !lamps) {
             (rules.light_jitter, rules.light_division) = (Some(jitter), no_finer(division, jitter));
         }
-        if rules.fresnel_offset == FRESNEL_OFFSET {
-            rules.fresnel_offset = self.fresnel_offset.unwrap_or(FRESNEL_OFFSET);
+        if let Some(offset) = self.fresnel_offset.filter(|_| !fresnel) {
+            rules.fresnel_offset = offset;
         }
         rules
     }
@@ -220,6 +220,7 @@ pub fn reduced<'a>(lines: impl IntoIterator<Item = &'a str>) -> Option<([f64; 3]
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::rules::FRESNEL_OFFSET;
 
     #[test]
     fn shortcuts_of_renderings_are_read_off_their_headers() {
@@ -248,8 +249,9 @@ mod tests {
 
     #[test]
     fn light_is_reckoned_with_as_the_header_has_it() {
-        let rules = |lines: &[&str], typed| {
-            let rules = Reckoning::of(lines.iter().copied()).map(|reckoning| reckoning.taken_into(Rules::default(), typed));
+        let rules = |lines: &[&str], [bounces, lamps]: [bool; 2]| {
+            let reckoning = Reckoning::of(lines.iter().copied());
+            let rules = reckoning.map(|reckoning| reckoning.taken_into(Rules::default(), [bounces, lamps, false]));
             rules.map(|rules| (rules.ambient_bounces, rules.light_jitter, rules.light_division))
         };
         let (all, division) = (Rules::default().ambient_bounces, Rules::default().light_division);
@@ -270,9 +272,9 @@ mod tests {
 
     #[test]
     fn the_fresnel_term_is_that_of_the_release() {
-        let offset = |line: &str, fresnel_offset| {
+        let offset = |line: &str, typed| {
             let lines = ["rpict a.oct", line];
-            Reckoning::of(lines.into_iter()).unwrap().taken_into(Rules { fresnel_offset, ..Rules::default() }, [true; 2]).fresnel_offset
+            Reckoning::of(lines.into_iter()).unwrap().taken_into(Rules::default(), [true, true, typed]).fresnel_offset
         };
         let larger = [
             "5.4 official release",
@@ -283,7 +285,7 @@ mod tests {
         ];
         for release in larger {
             let line = format!("SOFTWARE= RADIANCE {release}");
-            assert_eq!([offset(&line, FRESNEL_OFFSET), offset(&line, 0.001)], [LARGER_OFFSET, 0.001], "{release}");
+            assert_eq!([false, true].map(|typed| offset(&line, typed)), [LARGER_OFFSET, FRESNEL_OFFSET], "{release}");
         }
         let usual = [
             "5.3",
@@ -294,9 +296,9 @@ mod tests {
             "rtrace, box filter",
         ];
         for line in usual.map(|release| format!("SOFTWARE= RADIANCE {release}")).iter().map(String::as_str).chain(["VIEW= -vtv"]) {
-            assert_eq!(offset(line, FRESNEL_OFFSET), FRESNEL_OFFSET, "{line}");
+            assert_eq!(offset(line, false), FRESNEL_OFFSET, "{line}");
         }
-        assert_eq!(offset("rtrace-rs --fresnel-offset .003 a.rad", FRESNEL_OFFSET), 0.003);
+        assert_eq!(offset("rtrace-rs --fresnel-offset .003 a.rad", false), 0.003);
     }
 
     #[test]

@@ -5,7 +5,7 @@ use crate::color::Rgb;
 use crate::error::Result;
 use crate::rays::Space;
 use crate::rules::defaults::radiances;
-use crate::rules::{FRESNEL_OFFSET, Rules, UNWEIGHTED};
+use crate::rules::{Rules, UNWEIGHTED};
 use std::fmt::Display;
 use std::fmt::Write;
 
@@ -107,8 +107,7 @@ impl Said {
             "nearest" => "around each point the light is that of the nearest #@probe, if the scene has any".into(),
             _ => "around each point the light is that of the two nearest #@probe, by 1/distance², if the scene has any".into(),
         });
-        let offset = Some(light.fresnel_offset).filter(|offset| *offset != FRESNEL_OFFSET);
-        self.option("--fresnel-offset", offset, |_| "the Fresnel term of polished surfaces is lowered by that".into());
+        self.option("--fresnel-offset", light.fresnel_offset, |_| "the Fresnel term of polished surfaces is lowered by that".into());
         self.option("--ward", light.ward.as_ref(), |_| "the rough lobe of the 2002 paper instead of RADIANCE's present one".into());
     }
 
