@@ -74,7 +74,8 @@ impl<'a> Looked<'a> {
         let known = |&n: &usize| evidence.counts(n) && finite(n) && such(n);
         let (width, apart) = (evidence.film.width, evidence.film.filter.spacing());
         let pairs = evidence.film.some(count).filter(|n| n % width + apart < width).map(|n| [n, n + apart]);
-        let numbers = pairs.filter(|pair| pair.iter().all(known)).take(LOOKED_AT).collect::<Vec<_>>().concat();
+        let pairs: Vec<[usize; 2]> = pairs.filter(|pair| pair.iter().all(known)).collect();
+        let numbers = pairs.iter().copied().step_by(pairs.len().div_ceil(LOOKED_AT).max(1)).collect::<Vec<_>>().concat();
         (numbers.len() >= 2 * FEWEST).then_some(Self { evidence, numbers })
     }
 
