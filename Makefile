@@ -9,7 +9,7 @@
 .PHONY: demo extremes faults raycast test tradeoff trials
 
 demo:
-	cargo build --locked --release --bin rtrace-rs --bin imgdiff --bin anneal
+	cargo build --locked --release --bins
 	$(MAKE) -C examples/demo
 
 extremes:
