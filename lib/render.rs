@@ -118,10 +118,7 @@ impl Film {
 
     /// The numbers of the pixels at most `reach` columns and rows from one, and its own.
     pub fn around(&self, n: usize, reach: usize) -> impl Iterator<Item = usize> + use<> {
-        let width = self.width;
-        let near = |at: usize, most: usize| at.saturating_sub(reach)..(at + reach + 1).min(most);
-        let columns = near(n % width, width);
-        near(n / width, self.height).flat_map(move |row| columns.clone().map(move |column| row * width + column))
+        around(n, [self.width, self.height], reach)
     }
 
     /// Rays of about a thousand of the pixels, spread over all.
@@ -147,6 +144,13 @@ impl Film {
             self.camera.ray((x + u) / self.width as f64, 1.0 - (y + v) / self.height as f64)
         }
     }
+}
+
+/// The numbers of the pixels at most `reach` columns and rows from one in a picture so wide and high, and its own.
+fn around(n: usize, [width, height]: [usize; 2], reach: usize) -> impl Iterator<Item = usize> {
+    let near = |at: usize, most: usize| at.saturating_sub(reach)..(at + reach + 1).min(most);
+    let columns = near(n % width, width);
+    near(n / width, height).flat_map(move |row| columns.clone().map(move |column| row * width + column))
 }
 
 /// A picture in the making, and its error.

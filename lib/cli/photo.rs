@@ -172,6 +172,11 @@ impl<'a> Photo<'a> {
         Setting { flat: &self.flat, place: self.place, rules: &self.rules, resolve: &self.disk, reading: &self.reading, seed: self.seed }
     }
 
+    /// The world with the unknown as it was found.
+    fn as_found(&self, found: &Recovery) -> Result<World> {
+        self.setting().world(&self.unknown.reals(&found.values))
+    }
+
     /// What there is to see when the parameters have these values.
     pub fn views(&self, values: &[f64]) -> Result<Views> {
         let (setting, reals) = (self.setting(), self.unknown.reals(values));
@@ -210,18 +215,18 @@ impl<'a> Photo<'a> {
         let exposures = self.unknown.seeks_exposure().then(|| self.unknown.exposures(&found.values));
         let by = |world: &World| otherwise_around(&self.evidence(), world, exposures, self.material, self.seed);
         // Mostly nothing is to be said by what is there already.
-        by(&self.world).map_or(Ok(None), |_| Ok(by(&self.setting().world(&self.unknown.reals(&found.values))?)))
+        by(&self.world).map_or(Ok(None), |_| Ok(by(&self.as_found(found)?)))
     }
 
     /// What is to be said if the unknown is otherwise in the picture than as it was found by the few of its pixels that there was time for.
     pub fn otherwise_there(&self, found: &Recovery) -> Result<Option<String>> {
-        let world = self.setting().world(&self.unknown.reals(&found.values))?;
+        let world = self.as_found(found)?;
         Ok(otherwise_there(&self.evidence(), &world, self.unknown.exposures(&found.values), self.material, self.seed))
     }
 
     /// What is to be said where nothing explains the picture, if the unknown is inside out.
     pub fn inside_out(&self, found: &Recovery) -> Option<String> {
-        inside_out::said(&self.evidence(), &self.unknown, self.material).filter(|_| !found.explained())
+        if found.explained() { None } else { inside_out::said(&self.evidence(), &self.unknown, self.material) }
     }
 
     /// The pixels that are black where by what was found there is light.
@@ -237,7 +242,7 @@ impl<'a> Photo<'a> {
         if black.is_empty() {
             return Ok(black);
         }
-        let world = self.setting().world(&self.unknown.reals(&found.values))?;
+        let world = self.as_found(found)?;
         Ok(dead::dead(&evidence, &world, found, black, self.seed))
     }
 
@@ -261,7 +266,7 @@ impl<'a> Photo<'a> {
         if found.saturated.is_empty() {
             return Ok(None);
         }
-        let world = self.setting().world(&self.unknown.reals(&found.values))?;
+        let world = self.as_found(found)?;
         Ok(saturated::confirmed(&self.evidence(), &world, found, self.unknown.exposures(&found.values), self.seed))
     }
 

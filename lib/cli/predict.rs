@@ -31,10 +31,6 @@ pub fn predict(start: &str, arguments: &Arguments, console: &Console) -> Outcome
 
     let parameters = unknown.parameters();
     let told_of = |i: usize, error: f64| format!("{} ± {}", parameters[i].name, digits(values[i], error).1);
-    let effort = Effort::new(seed, None, &|| None);
-    let ends = |i: usize| effort.near(i, &parameters[i], values[i]);
-    let errors = answer.errors().unwrap_or_default();
-    let earlier: Vec<String> = (0..errors.len()).filter(|&i| errors[i] < ends(i)).map(|i| told_of(i, ends(i))).collect();
 
     // See what one more lamp would do.
     console.progress(|| "predicting with one more lamp".into());
@@ -49,6 +45,10 @@ pub fn predict(start: &str, arguments: &Arguments, console: &Console) -> Outcome
         }
     }
     title.push("four times as many pixels halve what is noise in these errors".into());
+    let effort = Effort::new(seed, None, &|| None);
+    let ends = |i: usize| effort.near(i, &parameters[i], values[i]);
+    let errors = answer.errors().unwrap_or_default();
+    let earlier: Vec<String> = (0..errors.len()).filter(|&i| errors[i] < ends(i)).map(|i| told_of(i, ends(i))).collect();
     if !earlier.is_empty() {
         title.push(format!("unless --tolerance asks for more, a recovery ends earlier: {}", list(&earlier)));
     }

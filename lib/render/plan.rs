@@ -4,7 +4,7 @@
 //! proportion to its standard deviation (Neyman 1934). What that is, the first samples tell: of the neighbours, and of the pixel's other
 //! sequence. No sample of a sequence decides how many the sequence will have, so the picture has no bias.
 
-use super::{Pixel, Rendering, SETS};
+use super::{Pixel, Rendering, SETS, around};
 use crate::color::bright;
 use crate::sampling::mix64;
 use rayon::prelude::*;
@@ -43,10 +43,7 @@ pub(super) fn shares(pixels: &[Pixel], width: usize) -> Vec<[f32; SETS]> {
 
 /// The pixels next to one.
 fn neighbours(number: usize, width: usize, count: usize) -> impl Iterator<Item = usize> {
-    let (x, y, height) = (number % width, number / width, count / width);
-    let rows = y.saturating_sub(1)..(y + 2).min(height);
-    let places = rows.flat_map(move |v| (x.saturating_sub(1)..(x + 2).min(width)).map(move |u| v * width + u));
-    places.filter(move |&place| place != number)
+    around(number, [width, count / width], 1).filter(move |&place| place != number)
 }
 
 /// The number of samples of each sequence of a pixel at a level of `level` samples for an average share. Powers of two, at which the sequence
