@@ -77,7 +77,7 @@ pub struct Photo {
     #[command(flatten)]
     pub view: ViewWords,
 
-    /// What was photographed: a high-dynamic-range picture, in radiance. What the header of a rendering says of -ab, -dj and -ds, or its
+    /// What was photographed: a high-dynamic-range picture, in radiance. What the header of a rendering says of -ab, -av, -me, -dr, -dj and -ds, or its
     /// program's defaults, holds where these are not typed
     #[arg(long, value_name = "PICTURE", requires = "scene", conflicts_with = "exec")]
     pub target: Option<String>,

@@ -20,7 +20,7 @@ use crate::recover::{Evidence, Recovery, dead, inside_out, otherwise, saturated}
 use crate::render::{Film, Filter};
 use crate::report::{Setting, Views};
 use crate::rules::Rules;
-use crate::rules::rendered::Reckoning;
+use crate::rules::rendered::{Reckoning, Typed};
 use crate::scene::{MaterialId, Reading, Scene};
 use crate::unknown::Unknown;
 use crate::view::View;
@@ -69,7 +69,15 @@ impl<'a> Photo<'a> {
         let light = &arguments.light;
         let mut rules = light.rules(&|file| scene::list(&disk, file))?;
         let reckoning = Reckoning::of(trail(taken.as_ref()));
-        let typed = [light.ab.is_some() || rules.ambient_bounces == 0, light.dj.or(light.ds).is_some(), light.fresnel_offset.is_some()];
+        let typed = Typed {
+            bounces: light.ab.is_some() || rules.ambient_bounces == 0,
+            ambient: light.av.is_some(),
+            lamps: light.dj.or(light.ds).is_some(),
+            mirrors: light.dr.is_some(),
+            medium: light.me.is_some(),
+            lobe: light.ward.is_some(),
+            fresnel: light.fresnel_offset.is_some(),
+        };
         if let Some(reckoning) = &reckoning {
             rules = reckoning.taken_into(rules, typed);
         }
@@ -107,8 +115,9 @@ impl<'a> Photo<'a> {
         let world = surveyed(scene, &rules, material, &film)?;
         said.extend(of_rendering(&target, unknown, light, world.lamps().len()));
         said.iter().for_each(|remark| console.warn(remark));
-        let taken_over = [!typed[0], !typed[1] && !world.lamps().is_empty()];
-        reckoning.and_then(|reckoning| reckoning.note(&name, taken_over)).iter().for_each(|note| console.note(note));
+        let mirrors = typed.mirrors || !world.lamps().iter().any(|lamp| lamp.relay.is_some());
+        let typed = Typed { lamps: typed.lamps || world.lamps().is_empty(), mirrors, ..typed };
+        reckoning.and_then(|reckoning| reckoning.note(&name, typed)).iter().for_each(|note| console.note(note));
         Ok(Self {
             digest: disk.digest(),
             unknown: unknown.clone(),

@@ -4,7 +4,7 @@ use crate::args::rtrace::Light;
 use crate::picture::{PRIMARIES, Picture};
 use crate::rad::Number;
 use crate::render::Film;
-use crate::rules::rendered::{reduced, shortcuts};
+use crate::rules::rendered::{otherwise, reduced, shortcuts};
 use crate::unknown::Unknown;
 use crate::view::View;
 
@@ -31,7 +31,9 @@ pub fn of_rendering(target: &Picture, unknown: &Unknown, typed: &Light, lamps: u
         let lowest: Vec<f64> = unknown.bounds().iter().map(|bound| bound.0).collect();
         unknown.reals(&lowest)[spec]
     });
-    shortcuts(target.header.lines.iter().map(String::as_str), least, lamps)
+    let lines = || target.header.lines.iter().map(String::as_str);
+    let chosen = [&typed.ae, &typed.ai, &typed.ae_files, &typed.ai_files].iter().any(|names| !names.is_empty());
+    otherwise(lines(), chosen).into_iter().chain(shortcuts(lines(), least, lamps)).collect()
 }
 
 /// Of pixels that are not of the shape that the header says, by more than rounding rows or columns makes.

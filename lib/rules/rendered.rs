@@ -1,7 +1,8 @@
 //! How a picture was rendered, by its header, and what that means for whoever recovers a material from it.
 
 use super::defaults::{SIZE, radiances};
-use super::{Rules, UNWEIGHTED};
+use super::{Rules, UNWEIGHTED, Ward};
+use crate::color::Rgb;
 use crate::picture::command_words;
 use std::f64::consts::PI;
 use std::ops::Range;
@@ -28,10 +29,21 @@ impl<'a> Command<'a> {
 
     /// The word after an option, or after its `=`, if it is given.
     pub fn word(&self, name: &str) -> Option<&str> {
-        match self.0.iter().rposition(|word| *word == name) {
-            Some(at) => self.0.get(at + 1).copied(),
+        match self.after(name) {
+            Some(words) => words.first().copied(),
             None => self.0.iter().rev().find_map(|word| word.strip_prefix(name)?.strip_prefix('=')),
         }
+    }
+
+    /// What follows an option, if it is given.
+    fn after(&self, name: &str) -> Option<&[&'a str]> {
+        self.0.iter().rposition(|word| *word == name).map(|at| &self.0[at + 1..])
+    }
+
+    /// The colour that an option has, if it is given.
+    fn color(&self, name: &str) -> Option<Rgb> {
+        let numbers: Vec<f64> = self.after(name)?.iter().take(3).map_while(|word| word.parse().ok()).collect();
+        <[f64; 3]>::try_from(numbers).ok().map(Rgb::from)
     }
 
     /// By how many times `-x /N` makes a picture smaller, if it says so.
@@ -55,6 +67,9 @@ impl<'a> Command<'a> {
         (given.unwrap_or(default), format!("{name} {}", given.map_or(format!("{default}, its default"), |value| value.to_string())))
     }
 }
+
+/// The programs that render pictures.
+const PROGRAMS: [&str; 3] = ["rpict", "rtrace", "rtrace-rs"];
 
 /// What the last of RADIANCE's renderers in a picture's header changed of the light of a scene with so many lamps: a sentence each. Of rough reflection
 /// only if something rough is sought, whose specularity may be as small as `least`. By how much, `rpict` told: of a metal ball in light from everywhere,
@@ -81,11 +96,47 @@ pub fn shortcuts<'a>(lines: impl IntoIterator<Item = &'a str>, least: Option<f64
     if accuracy > 0.0 && command.given("-ab").is_some_and(|bounces| bounces > 0.0) {
         say(aa, "light that bounces is interpolated there, up to 1 % off by .1", "-aa 0");
     }
+    if let Some(weight) = command.given("-aw").filter(|weight| *weight > 0.0) {
+        say(format!("-aw {weight}"), "what stands for the bounces left out changes there from place to place, and does not here", "-aw 0");
+    }
     let (tested, dt) = command.option("-dt");
     if tested > 0.0 && lamps > 1 {
         say(dt, "shadows of the fainter of several lamps are guessed there, which is up to .8 % of the light", "-dt 0");
     }
     found
+}
+
+/// What is to be said of a rendering in which only some surfaces gather indirect light, or that shows irradiance; of the first if it was not `typed`
+/// which those are.
+pub fn otherwise<'a>(lines: impl IntoIterator<Item = &'a str>, typed: bool) -> Option<String> {
+    let command = Command::last(lines, &PROGRAMS)?;
+    let given = |names: &[&'static str]| names.iter().copied().find(|name| command.after(name).is_some());
+    let (what, harm, remedy) = if let Some(option) = given(&["-i", "-i+"]) {
+        (option, "it shows irradiance, not what surfaces reflect", "render it without")
+    } else {
+        let option = given(&["-ae", "-aE", "-ai", "-aI"]).filter(|_| !typed)?;
+        (option, "only some surfaces gather indirect light there", "give the same option here")
+    };
+    Some(format!("the target was rendered by {} with {what}: {harm}; {remedy}", command.program()))
+}
+
+/// Of what light is reckoned with, what was typed: the header then does not count.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Typed {
+    /// `-ab`.
+    pub bounces: bool,
+    /// `-av`.
+    pub ambient: bool,
+    /// `-dj` or `-ds`.
+    pub lamps: bool,
+    /// `-dr`.
+    pub mirrors: bool,
+    /// `-me`.
+    pub medium: bool,
+    /// `--ward`.
+    pub lobe: bool,
+    /// `--fresnel-offset`.
+    pub fresnel: bool,
 }
 
 /// How the program that rendered a picture reckoned with light.
@@ -94,8 +145,16 @@ pub struct Reckoning {
     program: String,
     /// How often light bounces.
     bounces: u32,
+    /// The radiance that stands for what the bounces left out.
+    ambient: Rgb,
     /// `-dj` and `-ds`, if lamps are taken for points.
     lamps: Option<[f64; 2]>,
+    /// How many mirrors a light may be seen through.
+    mirrors: u32,
+    /// The extinction of what fills the scene.
+    medium: Rgb,
+    /// The form of the rough reflection lobe.
+    lobe: Ward,
     /// What the Fresnel term of polished surfaces is lowered by, if it is not as usual.
     fresnel_offset: Option<f64>,
 }
@@ -103,37 +162,68 @@ pub struct Reckoning {
 impl Reckoning {
     /// What the header of a picture says of it; `None` if it is no rendering's.
     pub fn of<'a>(lines: impl Iterator<Item = &'a str> + Clone) -> Option<Self> {
-        let command = Command::last(lines.clone(), &["rpict", "rtrace", "rtrace-rs"])?;
+        let command = Command::last(lines.clone(), &PROGRAMS)?;
         let default = Rules::default();
-        let (jitter, division, bounces) = match command.program() {
-            "rtrace-rs" => (None, default.light_division, default.ambient_bounces),
-            _ => (Some(command.default("-dj")), command.default("-ds"), command.default("-ab") as u32),
+        let ours = command.program() == "rtrace-rs";
+        let (jitter, division, bounces, mirrors) = if ours {
+            (None, default.light_division, default.ambient_bounces, default.mirror_levels)
+        } else {
+            let count = |name: &str| command.default(name) as u32;
+            (Some(command.default("-dj")), command.default("-ds"), count("-ab"), count("-dr"))
         };
+        let count = |name: &str, other: u32| command.given(name).map_or(other, |count| count.max(0.0) as u32);
         let jitter = command.given("-dj").filter(|dj| (0.0..=1.0).contains(dj)).or(jitter);
         let division = command.given("-ds").filter(|ds| *ds >= 0.0).unwrap_or(division);
-        let bounces = command.given("-ab").map_or(bounces, |bounces| bounces.max(0.0) as u32);
-        let fresnel_offset = command.given("--fresnel-offset").or_else(|| lines.filter_map(offset_of_release).last());
-        Some(Self { program: command.program().into(), bounces, lamps: jitter.map(|jitter| [jitter, division]), fresnel_offset })
+        Some(Self {
+            program: command.program().into(),
+            bounces: count("-ab", bounces),
+            ambient: command.color("-av").unwrap_or(default.ambient_value),
+            lamps: jitter.map(|jitter| [jitter, division]),
+            mirrors: count("-dr", mirrors),
+            medium: command.color("-me").unwrap_or(default.extinction),
+            lobe: if ours && command.word("--ward").is_some() { Ward::Original } else { default.lobe },
+            fresnel_offset: command.given("--fresnel-offset").or_else(|| lines.filter_map(offset_of_release).last()),
+        })
     }
 
-    /// These rules with its bounces, its lamps and its Fresnel term, where nothing was `typed` of those.
-    pub fn taken_into(&self, mut rules: Rules, [bounces, lamps, fresnel]: [bool; 3]) -> Rules {
-        if !bounces {
+    /// These rules with what it has of them, where nothing was typed of that.
+    pub fn taken_into(&self, mut rules: Rules, typed: Typed) -> Rules {
+        if !typed.bounces {
             rules.ambient_bounces = self.bounces;
         }
-        if let Some([jitter, division]) = self.lamps.filter(|_| !lamps) {
+        if !typed.ambient {
+            rules.ambient_value = self.ambient;
+        }
+        if let Some([jitter, division]) = self.lamps.filter(|_| !typed.lamps) {
             (rules.light_jitter, rules.light_division) = (Some(jitter), no_finer(division, jitter));
         }
-        if let Some(offset) = self.fresnel_offset.filter(|_| !fresnel) {
+        if !typed.mirrors {
+            rules.mirror_levels = self.mirrors;
+        }
+        if !typed.medium {
+            rules.extinction = self.medium;
+        }
+        if !typed.lobe {
+            rules.lobe = self.lobe;
+        }
+        if let Some(offset) = self.fresnel_offset.filter(|_| !typed.fresnel) {
             rules.fresnel_offset = offset;
         }
         rules
     }
 
-    /// That the picture `name` is taken to be rendered so, of its bounces and of its lamps; `None` where that says nothing.
-    pub fn note(&self, name: &str, [bounces, lamps]: [bool; 2]) -> Option<String> {
-        let lamps = self.lamps.filter(|_| lamps).map(|[jitter, division]| format!("-dj {jitter} -ds {division}"));
-        let options: Vec<String> = [self.limit().filter(|_| bounces), lamps].into_iter().flatten().collect();
+    /// That the picture `name` is taken to be rendered so, where nothing was typed of that; `None` where that says nothing.
+    pub fn note(&self, name: &str, typed: Typed) -> Option<String> {
+        let color = |option: &str, color: Rgb| (color != Rgb::ZERO).then(|| format!("{option} {} {} {}", color.x, color.y, color.z));
+        let said = [
+            (typed.bounces, self.limit()),
+            (typed.ambient, color("-av", self.ambient)),
+            (typed.medium, color("-me", self.medium)),
+            (typed.mirrors, Some(format!("-dr {}", self.mirrors))),
+            (typed.lobe, (self.lobe == Ward::Original).then(|| "--ward 1992".into())),
+            (typed.lamps, self.lamps.map(|[jitter, division]| format!("-dj {jitter} -ds {division}"))),
+        ];
+        let options: Vec<String> = said.into_iter().filter_map(|(typed, option)| option.filter(|_| !typed)).collect();
         let note = || format!("{name} was rendered by {} with {}, and so it is here", self.program, options.join(" "));
         (!options.is_empty()).then(note)
     }
@@ -251,7 +341,8 @@ mod tests {
     fn light_is_reckoned_with_as_the_header_has_it() {
         let rules = |lines: &[&str], [bounces, lamps]: [bool; 2]| {
             let reckoning = Reckoning::of(lines.iter().copied());
-            let rules = reckoning.map(|reckoning| reckoning.taken_into(Rules::default(), [bounces, lamps, false]));
+            let typed = Typed { bounces, lamps, ..Typed::default() };
+            let rules = reckoning.map(|reckoning| reckoning.taken_into(Rules::default(), typed));
             rules.map(|rules| (rules.ambient_bounces, rules.light_jitter, rules.light_division))
         };
         let (all, division) = (Rules::default().ambient_bounces, Rules::default().light_division);
@@ -265,16 +356,51 @@ mod tests {
         assert_eq!(rules(&["/usr/bin/rtrace a.oct"], [false; 2]), Some((0, Some(0.0), 0.2)));
         assert_eq!(rules(&["rtrace-rs a.rad"], [false; 2]), Some((all, None, division)));
         assert_eq!(rules(&["hdrgen a.jpg"], [false; 2]), None);
-        let note = |line| Reckoning::of([line].into_iter()).and_then(|reckoning| reckoning.note("a.hdr", [true; 2]));
-        assert_eq!(note("rpict -ab 2 a.oct").unwrap(), "a.hdr was rendered by rpict with -ab 2 -dj 0 -ds 0.25, and so it is here");
-        assert_eq!(note("rtrace-rs a.rad"), None);
+        let note = |line| Reckoning::of([line].into_iter()).and_then(|reckoning| reckoning.note("a.hdr", Typed::default()));
+        assert_eq!(note("rpict -ab 2 a.oct").unwrap(), "a.hdr was rendered by rpict with -ab 2 -dr 1 -dj 0 -ds 0.25, and so it is here");
+        assert!(note("rpict -ab 2 -av .1 .2 .3 -dj 1 a.oct").unwrap().contains("with -ab 2 -av 0.1 0.2 0.3 -dr 1 -dj 1 "));
+        assert!(note("rtrace-rs -me .1 .1 .1 --ward 1992 a.rad").unwrap().contains("with -me 0.1 0.1 0.1 -dr 2 --ward 1992, "));
+    }
+
+    #[test]
+    fn mirrors_the_medium_and_the_lobe_are_those_of_the_header() {
+        let rules = |line: &str| Reckoning::of([line].into_iter()).unwrap().taken_into(Rules::default(), Typed::default());
+        for (line, levels) in
+            [("rpict a.oct", 1), ("rtrace a.oct", 2), ("rpict -dr 0 a.oct", 0), ("rtrace-rs a.rad", 2), ("rtrace-rs -dr 3 a.rad", 3)]
+        {
+            assert_eq!(rules(line).mirror_levels, levels, "{line}");
+        }
+        assert_eq!(rules("rpict -me .1 .2 .3 a.oct").extinction.to_array(), [0.1, 0.2, 0.3]);
+        assert_eq!([rules("rtrace-rs --ward 1992 a.rad").lobe, rules("rpict a.oct").lobe], [Ward::Original, Ward::Bounded]);
+        let typed = Typed { mirrors: true, medium: true, lobe: true, ..Typed::default() };
+        let line = "rtrace-rs -dr 1 -me 1 1 1 --ward 1992 a.rad";
+        assert_eq!(Reckoning::of([line].into_iter()).unwrap().taken_into(Rules::default(), typed), Rules::default());
+        let said = |line: &'static str, typed| otherwise([line], typed).unwrap_or_default();
+        assert!(said("rpict -ae floor a.oct", false).contains("rpict with -ae: only some surfaces"));
+        assert!(said("rtrace-rs -i a.rad", true).contains("rtrace-rs with -i: it shows irradiance"));
+        assert!(said("rpict -ae floor a.oct", true).is_empty() && said("rpict -ab 1 a.oct", false).is_empty());
+    }
+
+    #[test]
+    fn what_stands_for_the_bounces_left_out_is_that_of_the_header() {
+        let value = |line: &str, ambient: bool| {
+            let rules = Rules { ambient_value: Rgb::ONE, ..Rules::default() };
+            Reckoning::of([line].into_iter()).unwrap().taken_into(rules, Typed { ambient, ..Typed::default() }).ambient_value.to_array()
+        };
+        assert_eq!(value("rpict -ab 1 -av .18 .17 .16 -ad 64 a.oct", false), [0.18, 0.17, 0.16]);
+        assert_eq!(value("rpict -av .18 .17 .16 a.oct", true), [1.0; 3]);
+        for none in ["rpict -ab 1 a.oct", "rpict -av .1 .2", "rtrace-rs -av 0 0 0 a.rad"] {
+            assert_eq!(value(none, false), [0.0; 3], "{none}");
+        }
+        assert!(shortcuts(["rpict -ab 1 -aa 0 -dt 0 -av .1 .1 .1 -aw 16 a.oct"], None, 1)[0].contains("with -aw 16: "));
     }
 
     #[test]
     fn the_fresnel_term_is_that_of_the_release() {
         let offset = |line: &str, typed| {
             let lines = ["rpict a.oct", line];
-            Reckoning::of(lines.into_iter()).unwrap().taken_into(Rules::default(), [true, true, typed]).fresnel_offset
+            let typed = Typed { fresnel: typed, ..Typed::default() };
+            Reckoning::of(lines.into_iter()).unwrap().taken_into(Rules::default(), typed).fresnel_offset
         };
         let larger = [
             "5.4 official release",
