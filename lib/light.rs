@@ -28,8 +28,8 @@ pub struct Lamp {
     pub radius: f64,
     /// Spotlights: the length of the aim vector, a focal distance behind the lamp.
     pub focus: f64,
-    /// Whether it is also found by sampling surfaces: not a spotlight, whose distance law is its own, nor an illum, which only what is aimed
-    /// at it sees, nor what is seen in a mirror.
+    /// Whether it is also found by sampling surfaces: not a spotlight, whose distance law is its own, nor a distant illum, which only what is
+    /// aimed at it sees, nor what is seen in a mirror.
     pub shared: bool,
     /// Whether an illum stands in the way of its light: it does before an illum or a glow, which would be counted twice.
     pub weak: bool,

@@ -1,4 +1,5 @@
-//! Lamps that are hard to find: the sun, which covers a part of a pixel, and images of a lamp in mirrors that do not face the place.
+//! Lamps that are hard to find: the sun, which covers a part of a pixel, images of a lamp in mirrors that do not face the place, and a window that
+//! is seen in a polished floor.
 
 use inverad::picture::Picture;
 use std::f64::consts::PI;
@@ -60,4 +61,18 @@ fn mirrors_that_show_no_lamp_here_do_no_harm() {
     let ((without, noise), (with, own)) = (picture(room, view), picture(&(room.to_string() + &mirrors), view));
     assert!(own < 1.5 * noise + 1e-4, "{own} instead of {noise}");
     assert!((sum(&with) / sum(&without) - 1.0).abs() < 0.01);
+}
+
+#[test]
+fn a_window_of_illum_lights_a_glossy_floor_as_one_of_light_does() {
+    let window = |material: &str| {
+        let scene = format!(
+            "void plastic p 0 0 5 .2 .2 .2 .05 .05\np polygon f 0 0 12 -3 -3 0 3 -3 0 3 3 0 -3 3 0\nvoid {material} w 0 0 3 14 16 20\n\
+             w polygon pane 0 0 12 -3 -1.5 .8 -3 1.5 .8 -3 1.5 2.3 -3 -1.5 2.3\n"
+        );
+        picture(&scene, "-vp 2.5 0 1.5 -vd -1 0 -.7 -vh 40 -vv 30 -x 24 -y 18 -ab 0 -n 1 --spp 64")
+    };
+    let ((illum, own), (light, noise)) = (window("illum"), window("light"));
+    assert!(own < 1.1 * noise, "{own} instead of {noise}");
+    assert!((sum(&illum) / sum(&light) - 1.0).abs() < 0.01);
 }

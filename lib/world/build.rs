@@ -241,7 +241,7 @@ impl World {
         if largest <= TINY || distant && glow || averted {
             return Ok(None);
         }
-        let shared = focus == 0.0 && !illum;
+        let shared = focus == 0.0 && !(illum && distant);
         self.lamps.push(Lamp {
             form,
             extent,

@@ -307,7 +307,7 @@ impl Place<'_> {
                 layer.material = None;
                 layer.shades = material.shades();
             }
-            Material::Illum(_) if aimed.is_none() || aimed != self.found.lamp => return self.illum(layer, named, before),
+            Material::Illum(_) if !self.shines(front) => return self.illum(layer, named, before),
             Material::Mirror(_) => return self.mirror(layer, named, before),
             Material::Antimatter => return self.antimatter(layer, named, before),
             Material::Light(_) | Material::Illum(_) | Material::Spotlight(..) if front => {
@@ -335,6 +335,14 @@ impl Place<'_> {
             _ => {}
         }
         (self.out)(&layer);
+    }
+
+    /// Whether an illum is a lamp to the ray: one that is aimed at it, or that may have been, as its direction was drawn from a rough surface.
+    fn shines(&self, front: bool) -> bool {
+        match self.coming.aim {
+            Some(aim) => self.found.lamp.is_some_and(|lamp| aim == Emitter::Lamp(lamp)),
+            None => self.coming.gathered && front,
+        }
     }
 
     /// Shows an illum where it is no lamp: as its alternate.
