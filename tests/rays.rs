@@ -261,6 +261,23 @@ fn answers_do_not_depend_on_threads_and_meet_the_error_asked_for() {
 }
 
 #[test]
+fn a_ray_is_as_bright_whether_its_ways_are_told_or_not() {
+    // A bulb that most samples miss, behind a shade.
+    let scene = "void plastic p 0 0 5 .6 .6 .6 0 0\np bubble room 0 0 4 0 0 0 3\np ring shade 0 0 8 0 0 1.5 0 0 1 0 .6\n\
+                 void light l 0 0 3 1000 1000 1000\nl sphere lamp 0 0 4 0 0 1.9 .02\n";
+    let rays: String = (0..40).map(|i| format!("{} .1 -1 .1 .2 -1\n", f64::from(i) * 0.04 - 0.8)).collect();
+    let brightness = |letters: &str| -> Vec<f64> {
+        let said = String::from_utf8(records(scene, &format!("-h {letters}"), &rays)).unwrap();
+        said.lines().map(|line| line.split('\t').next().unwrap().parse().unwrap()).collect()
+    };
+    let plain = brightness("-ov");
+    assert!(plain.iter().all(|light| *light > 0.0));
+    for letters in ["-ovr", "-ovl"] {
+        assert!(brightness(letters).iter().zip(&plain).all(|(a, b)| near(*a, *b)), "{letters}");
+    }
+}
+
+#[test]
 fn a_glow_without_a_radius_is_not_seen_where_light_sources_are_not() {
     // What `rtrace -ab 0 -dv-` of RADIANCE 6.0a says of a ball and of a distant source, for glows of several radii.
     for (radius, wanted) in [("-1", [0.0, 0.0]), ("0", [1.0, 1.0]), (".5", [1.0, 1.0]), ("5", [0.0, 1.0])] {

@@ -136,9 +136,10 @@ impl<'w> Teller<'w> {
             let outcome = integrator.trace(&mut tree, *ray, limit, sampler);
             (tree.sum() - before, outcome)
         });
-        let fate = tree.fates()[0];
-        let mean = 1.0 / pixel.samples().max(1) as f64;
-        Fate { light: fate.light * mean, mirrored: fate.mirrored * mean, ..fate }
+        // All samples were followed; not all of them may count.
+        let (fate, light) = (tree.fates()[0], pixel.mean());
+        let part = |c: usize| if fate.light[c] == 0.0 { 0.0 } else { fate.mirrored[c] / fate.light[c] };
+        Fate { light, mirrored: light * Rgb::from([0, 1, 2].map(part)), ..fate }
     }
 
     /// The light that a ray brings, or a point gathers, whichever is `sampled`.
