@@ -75,10 +75,12 @@ pub fn take<'a>(start: &str, target: &str, effort: Effort, arguments: &Arguments
     let pixels = photo.evidence().enough_pixels(first, photo.material())?;
     let (_, pixels) = apart(&photo.evidence(), pixels);
     let effort = Effort { quick: true, wary: false, ..effort };
-    let mut compare = |unknowns: &[Unknown], around: &[Vec<f64>], about: usize| {
+    // Some of the unknowns, at their places, compared by about so many pixels; what they were found to be before lies `around`.
+    let mut compare = |places: &[usize], around: &[Vec<f64>], about: usize| {
         let sample = Sample::of(&photo.evidence(), &pixels, about);
         let mut trials = Vec::new();
-        for (i, unknown) in unknowns.iter().enumerate() {
+        for &i in places {
+            let unknown = &unknowns[i];
             photo.take_for(unknown.clone())?;
             let otherwise = photo.otherwise()?;
             let evidence = Evidence { mask: Some(&sample.mask), otherwise: otherwise.as_ref(), ..photo.evidence() };
@@ -90,15 +92,22 @@ pub fn take<'a>(start: &str, target: &str, effort: Effort, arguments: &Arguments
         Outcome::Ok((choose(&trials, &sample), values))
     };
     let [few, more] = SAMPLES;
-    let (mut verdict, mut values) = compare(&unknowns, &[], few)?;
-    if !verdict.sure && pixels.len() > few {
-        let left = unknowns.into_iter().zip(values).zip(&verdict.rivals).filter(|(_, (_, rival))| !rival.is_out());
-        (unknowns, values) = left.map(|(left, _)| left).unzip();
-        let out: Vec<_> = verdict.rivals.into_iter().filter(|(_, rival)| rival.is_out()).collect();
-        (verdict, values) = compare(&unknowns, &values, more)?;
-        verdict.rivals.extend(out);
+    let those = |wanted: &dyn Fn(usize) -> bool| -> Vec<usize> { (0..unknowns.len()).filter(|&i| wanted(i)).collect() };
+    let mut places = those(&|_| true);
+    let (mut verdict, mut values) = compare(&places, &[], few)?;
+    if !verdict.is_sure() && pixels.len() > few {
+        let (first, around) = (verdict, values);
+        let possible = those(&|i| !first.rivals[i].1.is_out());
+        // More pixels would hardly say otherwise of the rest, unless they say another type.
+        places = those(&|i| i == first.chosen || !first.sure[i]);
+        (verdict, values) = compare(&places, &around, more)?;
+        if verdict.kind() != first.kind() && places != possible {
+            places = possible;
+            (verdict, values) = compare(&places, &around, more)?;
+        }
+        verdict.rivals.extend(those(&|i| !places.contains(&i)).into_iter().map(|i| first.rivals[i].clone()));
     }
-    let (unknown, values) = (unknowns.swap_remove(verdict.chosen), values.swap_remove(verdict.chosen));
+    let (unknown, values) = (unknowns.swap_remove(places[verdict.chosen]), values.swap_remove(verdict.chosen));
     let around = near(&unknown, &values).map(<[f64]>::to_vec);
     photo.take_for(unknown)?;
     let said = Said { title: vec![verdict.title()], doubts: verdict.doubts() };

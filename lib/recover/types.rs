@@ -55,8 +55,8 @@ pub struct Verdict {
     pub chosen: usize,
     /// Each type that was tried, and what it is beside the chosen one, which is the same as itself.
     pub rivals: Vec<(String, Rival)>,
-    /// Whether more pixels would hardly say otherwise.
-    pub sure: bool,
+    /// Of which of them more pixels would hardly say otherwise.
+    pub sure: Vec<bool>,
 }
 
 impl Trial {
@@ -192,7 +192,7 @@ pub fn choose(trials: &[Trial], sample: &Sample) -> Verdict {
         }
         other => other.is_out(),
     };
-    let sure = (0..trials.len()).all(surely);
+    let sure = (0..trials.len()).map(surely).collect();
     Verdict { chosen, rivals, sure }
 }
 
@@ -233,6 +233,16 @@ impl Rival {
 }
 
 impl Verdict {
+    /// The type that was chosen.
+    pub fn kind(&self) -> &str {
+        &self.rivals[self.chosen].0
+    }
+
+    /// Whether more pixels would hardly say otherwise of any.
+    pub fn is_sure(&self) -> bool {
+        self.sure.iter().all(|sure| *sure)
+    }
+
     /// What is to be said of it, on a line: `type plastic (as good: metal, the same reflectance); glass excluded by 12 standard errors`.
     pub fn title(&self) -> String {
         let kinds = |rival: Rival, what: &str| -> Vec<String> {
@@ -240,7 +250,7 @@ impl Verdict {
             others.map(|(_, (kind, _))| format!("{kind}, {what}")).collect()
         };
         let good = [kinds(Rival::Same, "the same reflectance"), kinds(Rival::Open, "another reflectance")].concat();
-        let mut text = format!("type {}", self.rivals[self.chosen].0);
+        let mut text = format!("type {}", self.kind());
         if !good.is_empty() {
             text += &format!(" (as good: {})", good.join("; "));
         }
@@ -258,7 +268,7 @@ impl Verdict {
         if open.is_empty() {
             return vec![];
         }
-        let chosen = &self.rivals[self.chosen].0;
+        let chosen = self.kind();
         vec![format!("this picture does not tell {chosen} from {}: they fit as well", list(&open))]
     }
 }
@@ -268,6 +278,7 @@ mod tests {
     use super::*;
     use crate::error::Source;
     use crate::rad::Document;
+    use crate::recover::misfit::Misfit;
     use crate::unknown::Wishes;
 
     /// A recovery of 64 blocks of one pixel each, whose losses scatter about `loss`, of values that are known to a thousandth.
@@ -286,7 +297,7 @@ mod tests {
 
     fn verdict(trials: &[Trial]) -> (String, Vec<String>, bool) {
         let verdict = choose(trials, &Sample { mask: vec![], blocks: (0..64).map(|n| (n, n)).collect() });
-        (verdict.title(), verdict.doubts(), verdict.sure)
+        (verdict.title(), verdict.doubts(), verdict.is_sure())
     }
 
     #[test]
@@ -310,9 +321,9 @@ mod tests {
     #[test]
     fn a_plastic_is_no_trans_only_where_it_is_as_near() {
         let plastic = || trial("plastic m 0 0 5 .6 .6 .6 .1 .1", 0.010, 0.0);
-        let found = |error: f64, loss: f64, misfit: f64| {
+        let found = |error: f64, loss: f64, areas: f64| {
             let mut plastic = plastic();
-            plastic.recovery.misfit = misfit;
+            plastic.recovery.misfit = Misfit { areas, singles: 0.0 };
             verdict(&[plastic, known_to(error, "trans m 0 0 7 .7 .7 .7 .1 .1 .2 .5", loss, 1.0)])
         };
         for loss in [0.0101, 0.0099] {
@@ -321,10 +332,10 @@ mod tests {
             assert!(doubts.is_empty() && sure, "{loss}: {doubts:?}");
         }
         // Where it is less near, does not explain the picture, or the light that goes through is surely some.
-        for (error, loss, misfit) in [(0.1, 0.0093, 0.0), (0.1, 0.0101, 0.03), (0.001, 0.0101, 0.0)] {
-            let (title, doubts, sure) = found(error, loss, misfit);
+        for (error, loss, areas) in [(0.1, 0.0093, 0.0), (0.1, 0.0101, 0.03), (0.001, 0.0101, 0.0)] {
+            let (title, doubts, sure) = found(error, loss, areas);
             assert_eq!(title, "type plastic (as good: trans, another reflectance)");
-            assert!(!doubts.is_empty() && !sure, "{error} {loss} {misfit}");
+            assert!(!doubts.is_empty() && !sure, "{error} {loss} {areas}");
         }
     }
 
