@@ -16,7 +16,7 @@ mod foresight;
 mod gram;
 pub mod inside_out;
 mod look;
-mod misfit;
+pub mod misfit;
 pub mod model;
 mod polished;
 pub mod predict;
@@ -42,6 +42,7 @@ use crate::scene::MaterialId;
 use crate::unknown::Unknown;
 use crate::world::World;
 use doubts::Known;
+use misfit::Misfit;
 use model::Kind;
 pub use polished::otherwise;
 use rayon::prelude::*;
@@ -105,8 +106,8 @@ pub struct Recovery {
     pub own: Symmetric,
     /// The covariance of the values if all pixels had one relative error of `sheet::COMMON`, with the signs that do most harm.
     pub common: Symmetric,
-    /// By which part of their light whole areas are off, which no noise is.
-    pub misfit: f64,
+    /// What is left of it that no noise is.
+    pub misfit: Misfit,
     /// How its pixels are blurred, if there is any saying.
     pub blur: Option<Blur>,
     /// χ² of equation 11 over the pixels that count, without what the noise of the rendering adds to it.
@@ -176,7 +177,7 @@ impl Recovery {
             own: covariance.clone(),
             common: covariance.scaled(&vec![0.0; values.len()]),
             covariance,
-            misfit: 0.0,
+            misfit: Misfit::default(),
             blur: None,
             chi2: 0.0,
             pixels: 64,
@@ -195,7 +196,7 @@ impl Recovery {
 
     /// Whether noise may be all that is left of the picture.
     pub fn explained(&self) -> bool {
-        self.misfit <= COMMON
+        self.misfit.off() <= COMMON
     }
 
     /// The part of the variance of a value that the noise of the rendering makes; all of it where nothing is known.

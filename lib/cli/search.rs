@@ -11,6 +11,7 @@ use crate::metric::Loss;
 use crate::rad::{Document, decode};
 use crate::recover::answer::{Answer, missed, six};
 use crate::recover::doubts::Known;
+use crate::recover::misfit::Misfit;
 use crate::unknown::{Unknown, Wishes};
 use serde::{Deserialize, Serialize};
 use std::fs::File;
@@ -265,7 +266,7 @@ impl Search {
 
     /// What there is to say of some values.
     pub fn answer(&self, values: &[f64]) -> Answer<'_> {
-        let known = self.covariance().map(|covariance| Known { covariance, common: None, misfit: 0.0, blur: None });
+        let known = self.covariance().map(|covariance| Known { covariance, common: None, misfit: Misfit::default(), blur: None });
         Answer::new(&self.unknown, values, known.as_ref())
     }
 

@@ -4,6 +4,7 @@
 //! picture that does not make it much less does not determine it. Nor does one that would, if its errors were independent from pixel to
 //! pixel, but not with a small error that many pixels have in common.
 
+use super::misfit::Misfit;
 use super::sheet::COMMON;
 use super::words::{by, digits, list, percent};
 use super::{Blur, clear};
@@ -19,7 +20,7 @@ pub struct Known<'a> {
     /// What an error of `COMMON` that the pixels have in common does to them, if pixels were looked at.
     pub common: Option<&'a Symmetric>,
     /// And how large an error they have seems to be.
-    pub misfit: f64,
+    pub misfit: Misfit,
     /// How the picture is blurred, if there is any saying.
     pub blur: Option<Blur>,
 }
@@ -52,7 +53,7 @@ pub const UNDETERMINED: f64 = 0.3;
 /// Values that are known only together are correlated at least so much.
 pub const TOGETHER: f64 = 0.9;
 /// Off by so much of its light, a picture is not explained at all.
-const ASTRAY: f64 = 0.1;
+pub const ASTRAY: f64 = 0.1;
 /// And by so much, it is of something else, and tells nothing.
 const ELSEWHERE: f64 = 1.0;
 /// A picture that a filter of a smaller radius would make, in pixels, is as if each pixel were looked at in its middle.
@@ -65,7 +66,7 @@ pub fn judge(unknown: &Unknown, values: &[f64], known: &Known) -> Judgement {
     let errors = Errors::new(unknown, values, known);
     let n = values.len();
     let (standings, mut doubts) = errors.doubts(unknown, values);
-    let explained = known.misfit <= COMMON;
+    let explained = known.misfit.off() <= COMMON;
     if !explained {
         doubts.insert(0, errors.unexplained(&standings));
     }
@@ -101,8 +102,10 @@ impl<'a> Errors<'a> {
         let n = parameters.len();
         let dull = lusterless(unknown, values, seen);
         // Where the picture is not explained, what only a bound keeps from going on may be anything.
-        let held = |i: usize| known.misfit >= ASTRAY && at_bound(&parameters[i], values[i], None).is_some();
-        let unseen = |i: usize| !seen.at(i, i).is_finite() || dull && is_roughness(&parameters[i]) || known.misfit >= ELSEWHERE || held(i);
+        let held = |i: usize| known.misfit.off() >= ASTRAY && at_bound(&parameters[i], values[i], None).is_some();
+        // What few samples made seems smoother than it is.
+        let rough = |i: usize| is_roughness(&parameters[i]) && (dull || known.misfit.singles > 0.0);
+        let unseen = |i: usize| !seen.at(i, i).is_finite() || rough(i) || known.misfit.areas >= ELSEWHERE || held(i);
         let (units, unseen) = (parameters.iter().map(Parameter::anywhere).collect(), (0..n).map(unseen).collect());
         let mut errors = Self { parameters, known, units, unseen, whole: Symmetric::diagonal(&[]) };
         let whole = Symmetric::of(n, |i, j| errors.scaled(seen, i, j) + errors.moved(i, j));
@@ -118,7 +121,7 @@ impl<'a> Errors<'a> {
 
     /// The error that the pixels are taken to have in common.
     fn off(&self) -> f64 {
-        self.known.misfit.max(COMMON)
+        self.known.misfit.off().max(COMMON)
     }
 
     /// What that makes of the covariance.
@@ -150,7 +153,7 @@ impl<'a> Errors<'a> {
                 // Where nothing explains the picture, no other light or view would; nor for what is held by a bound, which is said of it.
                 let p = &parameters[pivot];
                 let held = !is_roughness(p) && at_bound(p, values[pivot], None).is_some_and(|(_, bound)| may_exceed(unknown, p, bound));
-                if self.known.misfit < ASTRAY && !held {
+                if self.known.misfit.off() < ASTRAY && !held {
                     doubts.push(format!("{} is not determined: {}; {help}", p.name, self.why(pivot)));
                 }
             } else {
@@ -186,16 +189,23 @@ impl<'a> Errors<'a> {
             format!("; so large an error could move {}, as the standard errors say", list(&far))
         };
         let open: Vec<&str> = of(Standing::Open).map(|i| self.parameters[i].name.as_str()).collect();
-        let astray = self.known.misfit >= ASTRAY;
+        let astray = self.known.misfit.off() >= ASTRAY;
         let lost = if astray && !open.is_empty() { format!("; {} cannot be told by it", list(&open)) } else { String::new() };
+        let Misfit { areas, singles } = self.known.misfit;
+        if areas < singles {
+            return format!(
+                "single pixels hold {} % of the light too much or too little: few samples of a small bright light, such as a sun in the map, made the picture (render it with more, or with the sun as a light of its own), or the view, the shape or the light are not those of the photograph{harm}{lost}",
+                percent(singles)
+            );
+        }
         let exposed = self.parameters.iter().any(|p| EXPOSURES.contains(&p.name.as_str()));
         let exposure = if exposed { "" } else { "the exposure (--param exposure=1:.5:2), " };
         format!(
             "whole areas of the picture are {} brighter or darker than any noise explains: the light, {exposure}the view, the shape, the type or a bound may not be those of the photograph{harm}{lost}",
-            match self.off() {
-                off @ ..ELSEWHERE => format!("{} %", percent(off)),
-                off @ ..10.0 => format!("{off:.1} times"),
-                off => format!("{off:.0} times"),
+            match areas {
+                areas @ ..ELSEWHERE => format!("{} %", percent(areas)),
+                areas @ ..10.0 => format!("{areas:.1} times"),
+                areas => format!("{areas:.0} times"),
             }
         )
     }
@@ -303,7 +313,8 @@ mod tests {
     use crate::unknown::Wishes;
 
     /// What there is to think of a plastic, by the part of its parameters' ranges that the errors are, and a correlation of two of them.
-    fn plastic(seen: [f64; 5], common: [f64; 5], (i, j, r): (usize, usize, f64), misfit: f64) -> Judgement {
+    fn plastic(seen: [f64; 5], common: [f64; 5], (i, j, r): (usize, usize, f64), areas: f64) -> Judgement {
+        let misfit = Misfit { areas, singles: 0.0 };
         let document = Document::parse(Source::new("m.rad", "void plastic m 0 0 5 .6 .4 .2 .1 .1")).unwrap();
         let unknown = Unknown::new(document, &Wishes::default()).unwrap();
         let ranges: Vec<f64> = unknown.parameters().iter().map(Parameter::range).collect();
@@ -378,7 +389,7 @@ mod tests {
             let unknown = Unknown::new(document, &Wishes::default()).unwrap();
             let blur = Some(Blur { taken: 0.0, sought: false, more, error: 1e-3 });
             let covariance = Symmetric::of(3, |i, j| 1e-6 * f64::from(i == j));
-            judge(&unknown, &[0.6, 0.4, 0.2], &Known { covariance, common: None, misfit: 0.0, blur }).doubts.remove(0)
+            judge(&unknown, &[0.6, 0.4, 0.2], &Known { covariance, common: None, misfit: Misfit::default(), blur }).doubts.remove(0)
         };
         assert!(said(1.0).contains("a filter of radius"), "{}", said(1.0));
         let far = said(1e6);

@@ -3,7 +3,8 @@
 //! With n pixels and e samples of each, the variance of a value is about (1 + k/e) (P + R/e) / n: the noise of the photograph and that of the
 //! rendering are what the residuals are off by, and the rendering's noise in the derivative, by which they are judged, weakens that.
 
-use super::doubts::{TOGETHER, UNDETERMINED};
+use super::doubts::{ASTRAY, TOGETHER, UNDETERMINED};
+use super::sheet::COMMON;
 use super::{Effort, Recovery};
 use crate::anneal::Parameter;
 use crate::unknown::ROUGHNESSES;
@@ -86,14 +87,16 @@ impl Effort<'_> {
         )
     }
 
-    /// Of what is not determined, by itself or together with others, the standard error that hardly adds to what an error that the pixels have in common
-    /// makes; 0 of what is, and where a tolerance is asked for.
+    /// Of what is not determined, by itself or together with others, and of all where nothing explains the picture, the standard error that hardly adds
+    /// to what an error that the pixels have in common makes; 0 of what is, and where a tolerance is asked for.
     fn open(&self, parameters: &[Parameter], found: &Recovery) -> Vec<f64> {
-        let common = found.common.deviations();
+        let astray = found.misfit.areas >= ASTRAY;
+        let off = if astray { found.misfit.areas / COMMON } else { 1.0 };
+        let common: Vec<f64> = found.common.deviations().iter().map(|error| off * error).collect();
         let undetermined = |i: usize| common[i] * (self.rate)(i, found.values[i]) >= UNDETERMINED * parameters[i].anywhere();
         let correlations = found.common.correlations();
         let with = |i: usize| (0..common.len()).any(|j| undetermined(j) && (i == j || correlations.at(i, j).abs() >= TOGETHER));
-        (0..common.len()).map(|i| if self.tolerance.is_none() && with(i) { LESS * common[i] } else { 0.0 }).collect()
+        (0..common.len()).map(|i| if self.tolerance.is_none() && (astray || with(i)) { LESS * common[i] } else { 0.0 }).collect()
     }
 
     /// What would make a recovery as good as is wished for, or as the picture allows; `None` if it is. Seen are `seen` of `all` pixels, by `each`
@@ -110,7 +113,8 @@ impl Effort<'_> {
             Some(_) if s.left() * s.variance < 1.0 => 0.0,
             Some(_) => s.left() / ALL_LEFT,
         };
-        let lacks = |s: &Need| s.variance > 1.0 && (seen < all || allowed(s) < 1.0);
+        let tells = |s: &Need| s.own > 0.0 || s.clarity > 0.0;
+        let lacks = |s: &Need| s.variance > 1.0 && tells(s) && (seen < all || allowed(s) < 1.0);
         let lacking: Vec<Need> = parameters.iter().enumerate().map(need).filter(lacks).collect();
         let worst = lacking.iter().max_by(|a, b| a.variance.total_cmp(&b.variance))?;
         let noisy = || each >= FEW && worst.left() > LEFT && worst.left() * worst.variance > FAR;
@@ -126,6 +130,7 @@ impl Effort<'_> {
 mod tests {
     use super::*;
     use crate::anneal::linear::Symmetric;
+    use crate::recover::misfit::Misfit;
 
     fn effort(tolerance: Option<f64>) -> Effort<'static> {
         Effort::new(0, tolerance, &|| None)
@@ -167,10 +172,23 @@ mod tests {
         assert!(matches!(foreseen("rough", 128.0, 5.0 * NEAREST_ROUGHNESS), Some(More::Pixels(_))));
         // Where nothing is known, much is wanted.
         assert_eq!(wanted(1000.0, f64::INFINITY, 1.0, 0.9, None), Some(More::Samples(f64::INFINITY)));
+        // Not of what nothing that was seen changes with.
+        assert_eq!(wanted(1000.0, 1.0, 0.0, 0.0, None), None);
         // Who asks for less gets it tried, until hardly anything is left to gain.
         assert!(matches!(wanted(1000.0, 2.0 * NEAR, 0.2, 0.9, Some(0.5 * NEAR)), Some(More::Samples(times)) if times > 1.0));
         assert_eq!(wanted(1000.0, 2.0 * NEAR, 0.1, 0.95, Some(0.5 * NEAR)), None);
         assert!(wanted(1000.0, 2.0 * NEAR, 0.1, 0.95, Some(1.9 * NEAR)).is_some());
+    }
+
+    #[test]
+    fn what_nothing_explains_is_not_looked_at_for_long() {
+        let wanted = |areas: f64, tolerance: Option<f64>| {
+            let (parameter, found) = asked("red", 2.0 * NEAR, 0.9, 0.9);
+            let found = Recovery { misfit: Misfit { areas, singles: 0.0 }, common: Symmetric::diagonal(&[NEAR * NEAR]), ..found };
+            effort(tolerance).more(&[parameter], &found, [500.0, 1000.0], 40.0, false)
+        };
+        assert!(wanted(0.05, None).is_some() && wanted(0.2, Some(NEAR)).is_some());
+        assert_eq!(wanted(0.2, None), None);
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use super::drift::{LATE, PICTURES};
 use super::enough::More;
-use super::misfit::misfit;
+use super::misfit::Misfit;
 use super::scores::{Evaluation, Way, influence, pictures};
 use super::seen::First;
 use super::settle::Settled;
@@ -217,7 +217,7 @@ impl Look<'_> {
         if let Some(variance) = self.evidence.film.filter.beyond() {
             now.covariance = now.spread(variance);
         }
-        let (common, misfit) = (now.common(), misfit(sheet, basis, &now.here.halves));
+        let (common, misfit) = (now.common(), Misfit::new(sheet, basis, &now.here.halves, model.glints()));
         let (held, withheld) = (now.weights.kept.iter().any(|kept| *kept < 1.0), now.withheld());
         let (chi2, pixels) = (sheet.chi2(&now.here.halves), sheet.numbers.len());
         let found = Recovery {
@@ -240,7 +240,8 @@ impl Look<'_> {
     /// What was found, with how far the pixels are off, and how they are blurred, where its values were moved to since.
     fn again(&self, found: Recovery, traced: Traced) -> Recovery {
         let (sheet, halves) = (traced.sheet, traced.halves(&found.values));
-        let again = Recovery { chi2: sheet.chi2(&halves), misfit: misfit(sheet, traced.basis, &halves), ..found };
+        let again =
+            Recovery { chi2: sheet.chi2(&halves), misfit: Misfit::new(sheet, traced.basis, &halves, traced.model.glints()), ..found };
         if self.evidence.blurred { again } else { self.blurred(again, traced) }
     }
 

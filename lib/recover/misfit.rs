@@ -5,9 +5,59 @@
 
 use super::sheet::{COMMON, Half, Sheet, glints};
 use crate::transport::Basis;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// The side of an area, in pixels.
+/// What is left of a picture that no noise is: parts of its light.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Misfit {
+    /// By which whole areas are off, on the average; 0 where noise may be all of it.
+    pub areas: f64,
+    /// Which single pixels lack, or hold beyond what the model says; 0 where those are few, or that is little.
+    pub singles: f64,
+}
+
+impl Misfit {
+    /// Of a model that throws much light into few pixels by chance only areas are looked at.
+    pub fn new(sheet: &Sheet, basis: &Basis, halves: &[Half], chancy: bool) -> Self {
+        Self { areas: areas(sheet, basis, halves), singles: if chancy { 0.0 } else { singles(&sheet.target, halves) } }
+    }
+
+    /// By which part of its light the picture is off.
+    pub fn off(&self) -> f64 {
+        self.areas.max(self.singles)
+    }
+}
+
+/// Which single pixels hold too little light or too much: those of which both halves say so, by this factor; and how many they are, and the part of all
+/// light that they lack, or hold beyond what the model says, at the least, where that is no accident. Of 20 pictures with highlights that were recovered
+/// right, up to 23 such pixels lacked 2.7 % at the most, or held 4.3 %; of 10 whose sun few samples had found, 8 to 176 lacked 8 to 32 %, or 4 to 369
+/// held 4 to 74 %.
+const FACTOR: f64 = 3.0;
+const SEVERAL: usize = 5;
+const LACKING: f64 = 0.05;
+const HELD: f64 = 0.1;
+
+/// The part of all light that single pixels lack, or hold beyond what the model says. Where few samples seldom find a small bright light, most pixels lack
+/// its light, and few hold it all: a model that is too smooth explains that best, but for its own highlights.
+fn singles(target: &[[f32; 3]], halves: &[Half]) -> f64 {
+    let (mut light, mut lacking, mut held) = (0.0, (0, 0.0), (0, 0.0));
+    for (p, photographed) in target.iter().enumerate() {
+        let photographed = photographed.iter().copied().map(f64::from).sum::<f64>();
+        let [a, b]: [f64; 2] = [0, 1].map(|half| halves[half][p].iter().sum());
+        let found = 0.5 * (a + b);
+        light += found;
+        if a.min(b) > FACTOR * photographed {
+            lacking = (lacking.0 + 1, lacking.1 + found - photographed);
+        } else if photographed > FACTOR * a.max(b) {
+            held = (held.0 + 1, held.1 + photographed - found);
+        }
+    }
+    let part = |(count, sum): (usize, f64), least: f64| if count >= SEVERAL && sum > least * light { sum / light } else { 0.0 };
+    part(lacking, LACKING).max(part(held, HELD))
+}
+
+/// The side of an area, in pixels, at the least.
 const AREA: usize = 8;
 /// Areas with fewer pixels of a colour on the chessboard say nothing.
 const LEAST: usize = 4;
@@ -30,9 +80,11 @@ struct Field {
 /// have in common, whatever the noise. Where a filter lets neighbours share theirs, the fields are columns so far apart that they do not. But both may
 /// have been weighed by the same noise, by which what is too dark by chance counts for more: what one half of the samples leaves is weighed by how the
 /// other's differ.
-pub fn misfit(sheet: &Sheet, basis: &Basis, halves: &[Half]) -> f64 {
+fn areas(sheet: &Sheet, basis: &Basis, halves: &[Half]) -> f64 {
     let weights = [1, 0].map(|other| by_noise(sheet, basis, other));
     let spacing = sheet.spacing();
+    // As many columns of one colour as of the other.
+    let side = AREA.next_multiple_of(2 * spacing);
     let field = |x: usize, y: usize| match spacing {
         1 => Some((x + y) % 2),
         _ => x.is_multiple_of(spacing).then_some(x / spacing % 2),
@@ -41,7 +93,7 @@ pub fn misfit(sheet: &Sheet, basis: &Basis, halves: &[Half]) -> f64 {
     for (p, &number) in sheet.numbers.iter().enumerate() {
         let (x, y) = sheet.place(number);
         let Some(colour) = field(x, y) else { continue };
-        let area = areas.entry((x / AREA, y / AREA)).or_default();
+        let area = areas.entry((x / side, y / side)).or_default();
         for (c, each) in area.iter_mut().enumerate() {
             for (half, fields) in each.iter_mut().enumerate() {
                 let (field, w, value) = (&mut fields[colour], weights[half][p][c], halves[half][p][c]);
@@ -92,4 +144,30 @@ fn by_noise(sheet: &Sheet, basis: &Basis, half: usize) -> Vec<[f64; 3]> {
         })
     };
     (0..sheet.numbers.len()).map(weigh).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn light_that_single_pixels_lack_or_hold_is_told_where_it_is_no_accident() {
+        // Of a hundred pixels, `count` are not as bright as 1 in the picture, or in the halves of what is found.
+        let told = |count: usize, picture: f32, found: [f64; 2]| {
+            let target: Vec<[f32; 3]> = (0..100).map(|p| [if p < count { picture } else { 1.0 }; 3]).collect();
+            let halves = found.map(|found| (0..100).map(|p| [if p < count { found } else { 1.0 }; 3]).collect::<Half>());
+            singles(&target, &halves)
+        };
+        assert_eq!(told(0, 1.0, [1.0; 2]), 0.0);
+        // Highlights that are not there, and others that are there too.
+        assert!((told(10, 1.0, [20.0; 2]) - 190.0 / 290.0).abs() < 1e-9);
+        assert_eq!(told(10, 20.0, [20.0; 2]), 0.0);
+        // Light that nothing explains.
+        assert!((told(10, 20.0, [1.0; 2]) - 190.0 / 100.0).abs() < 1e-9);
+        // Noise of the rendering, a few pixels, and a little light, are no more than that.
+        for (count, picture, found) in [(10, 1.0, [20.0, 1.0]), (10, 20.0, [1.0, 20.0]), (4, 1.0, [20.0; 2]), (4, 20.0, [1.0; 2])] {
+            assert_eq!(told(count, picture, found), 0.0);
+        }
+        assert_eq!(told(5, 2.9, [1.0; 2]), 0.0);
+    }
 }

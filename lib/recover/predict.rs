@@ -2,6 +2,7 @@
 
 use super::doubts::Known;
 use super::look::Model;
+use super::misfit::Misfit;
 use super::model::Kind;
 use super::polished::{Mirror, NEARLY, SPREAD, smoothed, with_one_more};
 use super::rough::{self, Sought};
@@ -39,7 +40,7 @@ pub struct Prediction {
 impl Prediction {
     /// What would be known of the errors of the values.
     pub fn known(&self) -> Known<'_> {
-        Known { covariance: self.covariance.clone(), common: Some(&self.common), misfit: 0.0, blur: None }
+        Known { covariance: self.covariance.clone(), common: Some(&self.common), misfit: Misfit::default(), blur: None }
     }
 }
 
