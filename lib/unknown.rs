@@ -214,6 +214,9 @@ fn choose<'a>(document: &'a Document, wanted: Option<&str>) -> Result<&'a Primit
     }
 }
 
+/// What no material has less than nothing of.
+const NEVER_NEGATIVE: [(&[&str], &str); 3] = [(&ROUGHNESSES, "a roughness"), (&SHARES, "a share of light"), (&COLORS.1, "a colour")];
+
 /// The bounds of an argument; `None` if it is known.
 type Bounded = Option<(f64, f64)>;
 
@@ -227,6 +230,11 @@ fn bounded(material: &Primitive, wishes: &Wishes) -> Result<(Vec<f64>, Vec<Bound
         let i = find(material, &bounds.name)?;
         if std::mem::replace(&mut said[i], true) {
             return Err(Error::new(format!("{}: bounds given twice", bounds.name)));
+        }
+        let named = if i < material.reals.len() { name(material, i) } else { String::new() };
+        let what = NEVER_NEGATIVE.iter().find(|(names, _)| names.contains(&&*named)).filter(|_| bounds.low < 0.0);
+        if let Some((_, what)) = what {
+            return Err(Error::new(format!("{}: {what} is not below 0; give bounds that begin there, as START:0:HIGH", bounds.name)));
         }
         start[i] = bounds.start.unwrap_or(start[i]);
         ranges[i] = Some((bounds.low, bounds.high));

@@ -245,6 +245,9 @@ pub enum Job {
     Best(PathBuf),
 }
 
+/// Where candidates are judged one by one.
+const JUDGED: &str = "--exec and --direct";
+
 impl AsRef<Common> for Arguments {
     fn as_ref(&self) -> &Common {
         &self.common
@@ -317,17 +320,17 @@ impl Arguments {
         }
     }
 
-    /// What was said of the way to search that is of no use where no candidate is judged: a recovery from a picture.
-    pub fn idle(&self) -> Vec<&'static str> {
+    /// What was said of the way to search that is of no use where no candidate is judged, as in a recovery from a picture, and what it is for.
+    pub fn idle(&self) -> Vec<[&'static str; 2]> {
         let SearchOptions { steps, stages, residuals, loss, no_polish, .. } = &self.search;
         let groups = self.unknown.groups.is_some();
         let said = [
-            ("--groups", groups),
-            ("--steps", steps.is_some()),
-            ("--stages", *stages > 1),
-            ("--residuals", residuals.is_some()),
-            ("--loss", loss.is_some()),
-            ("--no-polish", *no_polish),
+            (["--groups", JUDGED], groups),
+            (["--steps", JUDGED], steps.is_some()),
+            (["--stages", "--exec"], *stages > 1),
+            (["--residuals", JUDGED], residuals.is_some()),
+            (["--loss", "--direct"], loss.is_some()),
+            (["--no-polish", JUDGED], *no_polish),
         ];
         said.into_iter().filter_map(|(option, said)| said.then_some(option)).collect()
     }
@@ -416,7 +419,7 @@ mod tests {
         assert_eq!(wishes.tied, [["red", "green", "blue"]]);
         assert_eq!(wishes.groups, [vec!["rgb"], vec!["spec", "rough"]]);
         assert_eq!(arguments.options().unwrap().steps, 9);
-        assert_eq!((arguments.idle(), typed("anneal s.rad").unwrap().idle()), (vec!["--groups", "--steps"], vec![]));
+        assert_eq!((arguments.idle(), typed("anneal s.rad").unwrap().idle()), (vec![["--groups", JUDGED], ["--steps", JUDGED]], vec![]));
         assert!(typed("anneal s.rad --param rough=1").unwrap_err().message.contains("write NAME=START:LOW:HIGH"));
         assert!(typed("anneal s.rad --no-polish --tolerance .1").unwrap().options().unwrap_err().message.contains("give one of them"));
     }

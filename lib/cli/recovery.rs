@@ -14,7 +14,7 @@ use std::time::Instant;
 /// Recovers the material from the picture by the basis of its transport.
 pub fn recover(start: &str, target: &str, arguments: &Arguments, console: &Console) -> Outcome<Answer> {
     let options = arguments.options()?;
-    arguments.idle().iter().for_each(|option| console.note(&format!("{option} is for --exec and --direct; it does nothing here")));
+    arguments.idle().iter().for_each(|[option, what]| console.note(&format!("{option} is for {what}; it does nothing here")));
     let (begin, stopped) = (Instant::now(), interrupted());
     let until = || if stopped() { Some(begin) } else { arguments.time().map(|time| begin + time) };
     let effort = Effort::new(options.seed, options.tolerance, &until);

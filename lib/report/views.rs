@@ -117,8 +117,8 @@ impl Setting<'_> {
         let (mut low, mut high, mut eye) = (Vec3::INFINITY, Vec3::NEG_INFINITY, Vec3::ZERO);
         for (origin, direction, _) in pixels.iter().filter_map(|&n| lens(n, [0.5; 2])) {
             let ray = Ray { origin, direction };
-            if let Some(hit) = world.nearest(&ray, f64::INFINITY).filter(|_| world.shows(&ray, shows)) {
-                (low, high, eye) = (low.min(hit.point), high.max(hit.point), origin);
+            if let Some((Ray { origin: point, .. }, _)) = world.shown(&ray, shows) {
+                (low, high, eye) = (low.min(point), high.max(point), origin);
             }
         }
         let mut extents = (high - low).to_array();

@@ -1,6 +1,6 @@
 //! What a person says of the unknown: bounds, and what is fixed, tied or moves together.
 
-use super::{EXPOSURES, ROUGHNESSES};
+use super::EXPOSURES;
 use crate::error::{Error, Result};
 use crate::rad::real;
 use serde::{Deserialize, Serialize};
@@ -52,9 +52,6 @@ impl FromStr for Bounds {
         }
         if low <= 0.0 && EXPOSURES.contains(&name.trim()) {
             return Err(wrong("an exposure is a factor: its bounds must be greater than 0"));
-        }
-        if low < 0.0 && ROUGHNESSES.contains(&name.trim()) {
-            return Err(wrong("a roughness is not below 0"));
         }
         if start.is_some_and(|s| !(low..=high).contains(&s)) {
             return Err(wrong("the start is outside the bounds"));

@@ -20,7 +20,12 @@ fn main() -> ExitCode {
 fn run(arguments: Arguments, console: &Console) -> Outcome<Answer> {
     let (output, job) = (arguments.common.output.as_deref(), arguments.job()?);
     let SearchOptions { state, report, log, .. } = &arguments.search;
-    Output::check([Some(arguments.common.output()), state.as_deref(), report.as_deref(), log.as_deref()].into_iter().flatten())?;
+    let driven = match &job {
+        Job::Search(_) => None,
+        Job::Propose(state, _) | Job::Tell(state, _) | Job::Best(state) => Some(&**state),
+    };
+    let outputs = [Some(arguments.common.output()), driven, state.as_deref(), report.as_deref(), log.as_deref()];
+    Output::check(outputs.into_iter().flatten())?;
     match job {
         Job::Search(start) => search(&start, &arguments, console),
         Job::Propose(state, start) => {

@@ -18,7 +18,7 @@ fn run(args: Arguments, console: &Console) -> Outcome<Answer> {
     if args.defaults || args.features {
         let text = if args.features { FEATURES.into() } else { defaults(&args)? };
         let answer = if args.features && !has(&args.scenes) { Answer::No } else { Answer::Yes };
-        return Output::whole(None, text.as_bytes()).map(|()| answer);
+        return Output::whole(args.common.output.as_deref(), text.as_bytes()).map(|()| answer);
     }
     args.check()?;
     Output::check(args.files())?;
@@ -27,7 +27,7 @@ fn run(args: Arguments, console: &Console) -> Outcome<Answer> {
     }
     if args.explain {
         explain(&args).lines().for_each(|line| console.note(line));
-        if args.scenes.is_empty() {
+        if args.scenes.is_empty() && args.view.words.is_empty() {
             return Ok(Answer::Yes);
         }
     }

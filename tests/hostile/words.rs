@@ -125,6 +125,8 @@ pub fn arguments() -> Vec<Case> {
         ("anneal --exec echo~1 --param glow=0:0:1 main.rad", "glow"),
         ("anneal --exec echo~1 --param a99=0:0:1 main.rad", "a99"),
         ("anneal --exec echo~1 --param rough=.1:-1:.3 main.rad", "a roughness is not below 0"),
+        ("anneal --exec echo~1 --param a5=.1:-1:.3 main.rad", "a roughness is not below 0"),
+        ("anneal --exec echo~1 --param spec=.1:-1:.3 main.rad", "a share of light is not below 0"),
         ("anneal --exec echo~1 --param rough=0:.3 main.rad", "rough=:0:.3"),
         ("anneal --exec echo~1 --fix nothing main.rad", "nothing"),
         ("anneal --exec echo~1 --fix red=.6 main.rad", "--fix takes names alone"),
