@@ -21,6 +21,7 @@ pub use types::{Class, Reals, TYPES, Type};
 
 use crate::error::{Error, Result, Source, Span};
 use std::collections::BTreeMap;
+use std::path::Path;
 use std::sync::Arc;
 
 /// One primitive, as written.
@@ -79,6 +80,9 @@ pub struct Document {
     changes: BTreeMap<usize, (usize, String)>,
 }
 
+/// What files of meshes end with.
+const MESHES: [&str; 2] = ["obj", "rtm"];
+
 impl Document {
     /// The statements of `source`, or the first error.
     pub fn parse(source: Arc<Source>) -> Result<Self> {
@@ -102,7 +106,9 @@ impl Document {
 
     /// The statements of a file's bytes, whatever their encoding.
     pub fn read(name: &str, bytes: Vec<u8>) -> Result<Self> {
-        Self::parse(Source::new(name, decode(bytes)))
+        let mesh = Path::new(name).extension().is_some_and(|end| MESHES.iter().any(|mesh| end.eq_ignore_ascii_case(mesh)));
+        let remedy = || Error::new(format!("{name}: a mesh is no scene; name it in one: MODIFIER mesh NAME 1 {name} 0 0"));
+        Self::parse(Source::new(name, decode(bytes))).map_err(|error| if mesh { remedy() } else { error })
     }
 
     /// The primitives that are written in it.
@@ -129,11 +135,11 @@ impl Primitive {
         Type::named(&self.kind)
     }
 
-    /// Errors unless it has as many arguments as its type takes.
+    /// Errors unless it has as many arguments as its type takes; strings that it does not take are passed over, as by RADIANCE.
     pub fn complete(&self) -> Result<()> {
         let Some(&Type { name, strings: (least, most), .. }) = self.type_of() else { return Ok(()) };
         let strings = self.strings.len();
-        if strings < least || strings > most {
+        if strings < least {
             let needed = if most == least { least.to_string() } else { format!("{least} or more") };
             return Err(self.error(format!("{name} needs {needed} string arguments, not {strings}")));
         }
@@ -220,6 +226,8 @@ mod tests {
         let wrong = message("void plastic red 0 0 5 1 1 1 0\nred sphere s 0 0 4 0 0 0 1\n");
         assert!(wrong.starts_with("t.rad:2:1: error: expected real argument 5 of 5, found `red`; correct it or the count"), "{wrong}");
         assert!(message("void plastik a 0 0 0").contains("unknown type `plastik`; `plastic` is one"));
+        let mesh = Document::read("parts/bunny.obj", b"v 0 0 1\nv 0 1 0\n".to_vec()).unwrap_err();
+        assert_eq!(mesh.message, "parts/bunny.obj: a mesh is no scene; name it in one: MODIFIER mesh NAME 1 parts/bunny.obj 0 0");
         assert!(message("void ligth a 0 0 0").contains("unknown type `ligth`; `light` is one"));
         assert!(message("void plastic a 0 1 3 0").contains("integer arguments"));
         assert!(message("void plastic a -1 0 0").contains("cannot be negative"));

@@ -1,6 +1,7 @@
 //! The answer: the file with the values that were found, after what is to be said of them.
 
 use super::doubts::{Judgement, Known, Standing, at_bound, judge, lusterless, may_exceed};
+use super::sheet::COMMON;
 use super::words::{decimals, digits, list};
 use crate::anneal::Parameter;
 use crate::anneal::linear::Symmetric;
@@ -26,13 +27,14 @@ impl<'a> Answer<'a> {
     pub fn new(unknown: &'a Unknown, values: &[f64], known: Option<&Known>) -> Self {
         let judgement = known.map(|known| judge(unknown, values, known));
         let mut doubts = judgement.as_ref().map_or_else(Vec::new, |j| j.doubts.clone());
+        let explained = known.is_none_or(|known| known.misfit.off() <= COMMON);
         let dull = known.is_some_and(|known| lusterless(unknown, values, &known.covariance));
         let mut rounded = values.to_vec();
         for (i, (p, value)) in unknown.parameters().iter().zip(&mut rounded).enumerate() {
             if let Some((side, bound)) = at_bound(p, *value, judgement.as_ref().map(|j| j.errors[i])) {
                 *value = bound;
                 let open = judgement.as_ref().is_some_and(|j| j.standings[i] == Standing::Open);
-                let any = (dull || open) && ROUGHNESSES.contains(&&p.name[..]);
+                let any = (dull || open && explained) && ROUGHNESSES.contains(&&p.name[..]);
                 if may_exceed(unknown, p, bound) && !any {
                     let beyond = "if it may lie beyond, give --param";
                     doubts.push(format!("{} is at its {side} bound {}; {beyond} {0}=START:LOW:HIGH", p.name, Number(bound)));

@@ -2,6 +2,7 @@
 //! which no lobe becomes, however narrow.
 
 use super::doubts::{Standing, judge};
+use super::misfit::Misfit;
 use super::model::{Kind, SPECULARITY};
 use super::rough::{self, SMOOTHEST, Sought, faint};
 use super::{Effort, Evidence, Recovery};
@@ -75,6 +76,8 @@ pub fn recover(sought: &Sought, effort: Effort, tell: &dyn Fn(&str)) -> Result<R
         // Light that meets it more often than products tell is that of the values it is looked at with, which those of a lobe are not: of a ball that
         // light goes through, colours came out .3 to .8 % too bright, which tells no type from another.
         let looked = if effort.quick { seen } else { mirror.look(Effort { told: &told, ..effort }, &seen.values) };
+        // Where in a mirror a small light is seen few samples of a pixel tell.
+        let looked = Recovery { misfit: Misfit { singles: 0.0, ..looked.misfit }, ..looked };
         // One that mirrors as little as it can may be one that does not.
         let dullest = unknown.slots()[SPECULARITY].is_some_and(|slot| looked.values[slot] <= unknown.bounds()[slot].0);
         if !dullest {

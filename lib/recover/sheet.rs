@@ -80,6 +80,13 @@ impl<'a> Sheet<'a> {
         self.evidence.film.filter.spacing()
     }
 
+    /// How bright the brightest is of a pixel and those beside it in the photograph: the sum of its channels.
+    pub fn brightest(&self, i: usize) -> f64 {
+        let Evidence { film, target, .. } = self.evidence;
+        let bright = |n: usize| target.pixels[n].iter().copied().map(f64::from).sum();
+        film.around(self.numbers[i], 1).map(bright).fold(0.0, f64::max)
+    }
+
     /// How much a pixel counts.
     pub fn weight(&self, i: usize) -> f64 {
         self.evidence.mask.map_or(1.0, |mask| mask[self.numbers[i]] as f64)

@@ -28,6 +28,9 @@ pub struct Through<'a> {
     colors: Vec<usize>,
 }
 
+/// So many pixels of a film tell the mean way through.
+const WAYS: usize = 50_000;
+
 impl<'a> Through<'a> {
     /// What to look for instead of an unknown.
     pub fn new(evidence: &'a Evidence<'a>, unknown: &Unknown, material: MaterialId) -> Self {
@@ -38,7 +41,8 @@ impl<'a> Through<'a> {
             evidence.world.nearest(&inside, f64::INFINITY).map(|hit| hit.t)
         };
         let glass = unknown.material().kind == "glass";
-        let ways: Vec<f64> = (0..if glass { 0 } else { film.width * film.height }).into_par_iter().filter_map(way).collect();
+        let pixels: Vec<usize> = film.some(if glass { 0 } else { WAYS }).collect();
+        let ways: Vec<f64> = pixels.into_par_iter().filter_map(way).collect();
         let length = if ways.is_empty() { 1.0 } else { ways.iter().sum::<f64>() / ways.len() as f64 };
         let colors = unknown.slots()[..3].iter().copied().flatten().collect();
         Self { evidence, material, unknown: unknown.through(length), length, colors }
