@@ -64,6 +64,21 @@ pub fn plain(error: &io::Error) -> String {
     letters.next().map_or_else(String::new, |first| first.to_lowercase().chain(letters).collect())
 }
 
+/// Whether standard output goes to that file.
+fn is_stdout(path: &Path) -> bool {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::MetadataExt;
+        let place = |path: &Path| std::fs::metadata(path).ok().map(|file| (file.dev(), file.ino()));
+        place(path).is_some_and(|file| place(Path::new("/dev/stdout")) == Some(file))
+    }
+    #[cfg(not(unix))]
+    {
+        let _ = path;
+        false
+    }
+}
+
 /// An output: standard output, a device or pipe, or a file that is written beside its name and renamed when finished.
 pub struct Output {
     name: String,
@@ -118,7 +133,7 @@ impl Output {
             if let To::File(writer, path) = Self::create(Some(path))?.to {
                 signal::ended(writer.get_ref().path());
                 let directory = writer.get_ref().path().parent().and_then(|directory| directory.canonicalize().ok());
-                place = Some((directory, path.file_name().map(OsStr::to_os_string)));
+                place = Some((directory, path.file_name().map(OsStr::to_os_string))).filter(|_| !is_stdout(&path));
             }
             if !places.insert(place) {
                 return Err(Error::new(format!("{}: named for two outputs; give each a file of its own", path.display())).into());

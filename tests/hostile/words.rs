@@ -146,6 +146,7 @@ pub fn arguments() -> Vec<Case> {
         ("anneal --exec echo~1 --state no/such/state --steps 4 main.rad", "no/such/state"),
         ("anneal --exec echo~1 --state s --report s main.rad", "s: named for two outputs"),
         ("anneal --exec echo~1 --log s -o s main.rad", "s: named for two outputs"),
+        ("anneal propose s main.rad -o s", "s: named for two outputs"),
         ("anneal --exec echo~1 -o /dev/full --steps 4 main.rad", "/dev/full"),
     ]
     .map(|(line, place)| (line.replace("SEE", SEE), place))
