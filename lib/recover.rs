@@ -50,7 +50,6 @@ use rough::Sought;
 use saturated::Saturated;
 use serde::{Deserialize, Serialize};
 pub use sharpness::Blur;
-use sheet::COMMON;
 use std::collections::BTreeSet;
 use std::time::Instant;
 
@@ -196,7 +195,7 @@ impl Recovery {
 
     /// Whether noise may be all that is left of the picture.
     pub fn explained(&self) -> bool {
-        self.misfit.off() <= COMMON
+        self.misfit.is_noise()
     }
 
     /// The part of the variance of a value that the noise of the rendering makes; all of it where nothing is known.

@@ -1,7 +1,6 @@
 //! The answer: the file with the values that were found, after what is to be said of them.
 
 use super::doubts::{Judgement, Known, Standing, at_bound, judge, lusterless, may_exceed};
-use super::sheet::COMMON;
 use super::words::{decimals, digits, list};
 use crate::anneal::Parameter;
 use crate::anneal::linear::Symmetric;
@@ -27,7 +26,7 @@ impl<'a> Answer<'a> {
     pub fn new(unknown: &'a Unknown, values: &[f64], known: Option<&Known>) -> Self {
         let judgement = known.map(|known| judge(unknown, values, known));
         let mut doubts = judgement.as_ref().map_or_else(Vec::new, |j| j.doubts.clone());
-        let explained = known.is_none_or(|known| known.misfit.off() <= COMMON);
+        let explained = known.is_none_or(|known| known.misfit.is_noise());
         let dull = known.is_some_and(|known| lusterless(unknown, values, &known.covariance));
         let mut rounded = values.to_vec();
         for (i, (p, value)) in unknown.parameters().iter().zip(&mut rounded).enumerate() {

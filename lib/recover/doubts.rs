@@ -66,7 +66,7 @@ pub fn judge(unknown: &Unknown, values: &[f64], known: &Known) -> Judgement {
     let errors = Errors::new(unknown, values, known);
     let n = values.len();
     let (standings, mut doubts) = errors.doubts(unknown, values);
-    let explained = known.misfit.off() <= COMMON;
+    let explained = known.misfit.is_noise();
     if !explained {
         doubts.insert(0, errors.unexplained(&standings));
     }

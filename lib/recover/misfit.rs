@@ -26,6 +26,11 @@ impl Misfit {
         }
     }
 
+    /// Whether noise may be all that is left of the picture.
+    pub fn is_noise(&self) -> bool {
+        self.off() <= COMMON
+    }
+
     /// By which part of its light the picture is off, as far as that moves values.
     pub fn off(&self) -> f64 {
         self.areas.max(HARM * self.singles)

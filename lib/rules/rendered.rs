@@ -42,7 +42,8 @@ impl<'a> Command<'a> {
 
     /// The colour that an option has, if it is given.
     fn color(&self, name: &str) -> Option<Rgb> {
-        let numbers: Vec<f64> = self.after(name)?.iter().take(3).map_while(|word| word.parse().ok()).collect();
+        let number = |word: &&str| word.parse::<f64>().ok().filter(|number| number.is_finite() && *number >= 0.0);
+        let numbers: Vec<f64> = self.after(name)?.iter().take(3).map_while(number).collect();
         <[f64; 3]>::try_from(numbers).ok().map(Rgb::from)
     }
 
@@ -389,7 +390,7 @@ mod tests {
         };
         assert_eq!(value("rpict -ab 1 -av .18 .17 .16 -ad 64 a.oct", false), [0.18, 0.17, 0.16]);
         assert_eq!(value("rpict -av .18 .17 .16 a.oct", true), [1.0; 3]);
-        for none in ["rpict -ab 1 a.oct", "rpict -av .1 .2", "rtrace-rs -av 0 0 0 a.rad"] {
+        for none in ["rpict -ab 1 a.oct", "rpict -av .1 .2", "rpict -av .1 nan .1", "rpict -av -1 -1 -1", "rtrace-rs -av 0 0 0 a.rad"] {
             assert_eq!(value(none, false), [0.0; 3], "{none}");
         }
         assert!(shortcuts(["rpict -ab 1 -aa 0 -dt 0 -av .1 .1 .1 -aw 16 a.oct"], None, 1)[0].contains("with -aw 16: "));
