@@ -7,6 +7,7 @@ pub mod answer;
 pub mod around;
 mod average;
 mod clear;
+pub mod cut_out;
 pub mod dead;
 pub mod doubts;
 mod drift;

@@ -79,6 +79,23 @@ fn black_pixels_where_there_is_light_are_left_out_and_named() {
     found(&out, &[("red", 0.6), ("green", 0.4), ("blue", 0.2), ("spec", 0.1), ("rough", 0.15)], 0.001);
 }
 
+#[test]
+fn an_object_cut_out_on_black_is_told_by_what_it_fills() {
+    let directory = photographed("plastic it 0 0 5 .6 .4 .2 .1 .15", SCENE, "-x 40 -y 40 --spp 300 --seed 5 -ab 1 -o target.hdr");
+    let covered = "-vp 0 -5 1 -vd 0 1 -.2 -vh 26 -vv 26 -x 40 -y 40 --coverage it -o cover.hdr true.rad scene.rad";
+    assert!(run(env!("CARGO_BIN_EXE_rtrace-rs"), directory.path(), covered).status.success());
+    let read = |name: &str| Picture::read(&fs::read(directory.path().join(name)).unwrap(), name).unwrap();
+    let (whole, cover) = (read("target.hdr"), read("cover.hdr"));
+    for matte in [0.1, 0.5, 0.95] {
+        let mut cut = whole.clone();
+        cut.pixels.iter_mut().zip(&cover.pixels).filter(|(_, cover)| cover[0] < matte).for_each(|(pixel, _)| *pixel = [0.0; 3]);
+        fs::write(directory.path().join("target.hdr"), cut.write_hdr().unwrap()).unwrap();
+        let out = recovered(directory.path(), "--scene scene.rad --target target.hdr start.rad");
+        assert!(!out.contains("warning"), "{matte}: {out}");
+        found(&out, &[("red", 0.6), ("green", 0.4), ("blue", 0.2), ("spec", 0.1), ("rough", 0.15)], 0.002);
+    }
+}
+
 /// What is said of a picture of a plastic in `SCENE` as one in `scene`.
 fn told_in(scene: &str, options: &str) -> String {
     let directory = photographed("plastic it 0 0 5 .6 .4 .2 .1 .15", SCENE, "-x 40 -y 40 --spp 300 --seed 5 -ab 1 -o target.exr");

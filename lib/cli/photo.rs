@@ -16,7 +16,7 @@ use crate::metric::{self, Named};
 use crate::picture::{Header, Picture, shrunk};
 use crate::rad::{Class, Document, Number, Primitive};
 use crate::recover::around::{otherwise_around, otherwise_there};
-use crate::recover::{Evidence, Recovery, dead, inside_out, otherwise, saturated};
+use crate::recover::{Evidence, Recovery, cut_out, dead, inside_out, otherwise, saturated};
 use crate::render::{Film, Filter};
 use crate::report::{Setting, Views};
 use crate::rules::Rules;
@@ -118,7 +118,8 @@ impl<'a> Photo<'a> {
         let mirrors = typed.mirrors || !world.lamps().iter().any(|lamp| lamp.relay.is_some());
         let typed = Typed { lamps: typed.lamps || world.lamps().is_empty(), mirrors, ..typed };
         reckoning.and_then(|reckoning| reckoning.note(&name, typed)).iter().for_each(|note| console.note(note));
-        Ok(Self {
+        let photographed = !name.is_empty();
+        let mut photo = Self {
             digest: disk.digest(),
             unknown: unknown.clone(),
             flat,
@@ -134,7 +135,16 @@ impl<'a> Photo<'a> {
             mask: mask.transpose()?,
             blurred: photo.filter == Some(Sharpness::Unknown),
             seed: arguments.common.seed,
-        })
+        };
+        let others = if photographed { cut_out::others(&photo.evidence(), material, photo.seed) } else { vec![] };
+        if !others.is_empty() {
+            photo.leave_out(&others);
+            console.note(&format!(
+                "{name} is black around `{}`, where the scene is not, as if cut out: only pixels that it fills count",
+                unknown.material().name
+            ));
+        }
+        Ok(photo)
     }
 
     /// The world with the unknown as it may be otherwise than it starts, which a recovery goes by too ([`Evidence::otherwise`]).
