@@ -113,8 +113,7 @@ impl Effort<'_> {
             Some(_) if s.left() * s.variance < 1.0 => 0.0,
             Some(_) => s.left() / ALL_LEFT,
         };
-        let tells = |s: &Need| s.own > 0.0 || s.clarity > 0.0;
-        let lacks = |s: &Need| s.variance > 1.0 && tells(s) && (seen < all || allowed(s) < 1.0);
+        let lacks = |s: &Need| s.variance > 1.0 && (seen < all || allowed(s) < 1.0);
         let lacking: Vec<Need> = parameters.iter().enumerate().map(need).filter(lacks).collect();
         let worst = lacking.iter().max_by(|a, b| a.variance.total_cmp(&b.variance))?;
         let noisy = || each >= FEW && worst.left() > LEFT && worst.left() * worst.variance > FAR;
@@ -172,8 +171,6 @@ mod tests {
         assert!(matches!(foreseen("rough", 128.0, 5.0 * NEAREST_ROUGHNESS), Some(More::Pixels(_))));
         // Where nothing is known, much is wanted.
         assert_eq!(wanted(1000.0, f64::INFINITY, 1.0, 0.9, None), Some(More::Samples(f64::INFINITY)));
-        // Not of what nothing that was seen changes with.
-        assert_eq!(wanted(1000.0, 1.0, 0.0, 0.0, None), None);
         // Who asks for less gets it tried, until hardly anything is left to gain.
         assert!(matches!(wanted(1000.0, 2.0 * NEAR, 0.2, 0.9, Some(0.5 * NEAR)), Some(More::Samples(times)) if times > 1.0));
         assert_eq!(wanted(1000.0, 2.0 * NEAR, 0.1, 0.95, Some(0.5 * NEAR)), None);
