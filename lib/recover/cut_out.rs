@@ -22,9 +22,8 @@ pub fn others(evidence: &Evidence, material: MaterialId, seed: u64) -> Vec<usize
     }
     around.retain(|n| !touches(n));
     around.truncate(RENDERED);
-    let rendering = evidence.rendered(world, &around, seed);
-    let lit = rendering.pixels.iter().filter(|pixel| bright(pixel.mean()) > 0.0).count();
-    if around.len() < FEWEST || 2 * lit < around.len() {
+    let lit = || evidence.rendered(world, &around, seed).pixels.iter().filter(|pixel| bright(pixel.mean()) > 0.0).count();
+    if around.len() < FEWEST || 2 * lit() < around.len() {
         return vec![];
     }
     // What a filter gives to pixels beside it was cut too.
