@@ -80,8 +80,10 @@ pub struct Document {
     changes: BTreeMap<usize, (usize, String)>,
 }
 
-/// What files of meshes end with.
-const MESHES: [&str; 2] = ["obj", "rtm"];
+/// Whether that is the name of a file of a mesh.
+fn is_mesh(name: &str) -> bool {
+    Path::new(name).extension().is_some_and(|end| ["obj", "rtm"].iter().any(|mesh| end.eq_ignore_ascii_case(mesh)))
+}
 
 impl Document {
     /// The statements of `source`, or the first error.
@@ -100,15 +102,17 @@ impl Document {
             let error = Span::new(&source, 0, source.text.chars().next().map_or(0, char::len_utf8)).error(problem);
             return (Self { source, statements: vec![], changes: BTreeMap::new() }, vec![error]);
         }
-        let (statements, errors) = parse::statements(&source, limit);
+        let (statements, mut errors) = parse::statements(&source, limit);
+        if !errors.is_empty() && is_mesh(&source.name) {
+            let remedy = format!("a mesh is no scene; name it in one: MODIFIER mesh NAME 1 {} 0 0", source.name);
+            errors = vec![Error::new(format!("{}: {remedy}", source.name))];
+        }
         (Self { source, statements, changes: BTreeMap::new() }, errors)
     }
 
     /// The statements of a file's bytes, whatever their encoding.
     pub fn read(name: &str, bytes: Vec<u8>) -> Result<Self> {
-        let mesh = Path::new(name).extension().is_some_and(|end| MESHES.iter().any(|mesh| end.eq_ignore_ascii_case(mesh)));
-        let remedy = || Error::new(format!("{name}: a mesh is no scene; name it in one: MODIFIER mesh NAME 1 {name} 0 0"));
-        Self::parse(Source::new(name, decode(bytes))).map_err(|error| if mesh { remedy() } else { error })
+        Self::parse(Source::new(name, decode(bytes)))
     }
 
     /// The primitives that are written in it.

@@ -30,8 +30,14 @@ fn that_is_said() {
     let directory = photographed("plastic it 0 0 5 .5 .3 .1 .05 .05", ROOM, "-dj 0 -ds .25 -ab 1 -x 60 -y 60 --spp 1 -o target.hdr");
     let remarks = |options: &str| {
         let arguments = format!("{options} --fix red,spec,rough --time .01 --scene scene.rad --target target.hdr start.rad");
-        String::from_utf8(run(env!("CARGO_BIN_EXE_anneal"), directory.path(), &arguments).stderr).unwrap()
+        let out = run(env!("CARGO_BIN_EXE_anneal"), directory.path(), &arguments);
+        [out.stderr, out.stdout].map(|said| String::from_utf8(said).unwrap())
     };
-    assert!(remarks("").starts_with("anneal: note: target.hdr was rendered by rtrace-rs with -ab 1 -dj 0 -ds 0.25, and so it is here\n"));
-    assert!(remarks("-ab 2 -dj 0").contains("with -ab 1, and here light bounces otherwise: leave -ab out"));
+    assert!(
+        remarks("")[0].starts_with("anneal: note: target.hdr was rendered by rtrace-rs with -ab 1 -dj 0 -ds 0.25, and so it is here\n")
+    );
+    // A doubt stands in the answer's file too.
+    for said in remarks("-ab 2 -dj 0") {
+        assert!(said.contains("warning: the target was rendered by rtrace-rs with -ab 1, and here light bounces otherwise: leave -ab out"));
+    }
 }

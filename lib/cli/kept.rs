@@ -9,6 +9,7 @@ use super::stream::{Output, file};
 use crate::args::anneal::Arguments;
 use crate::error::{Error, Result};
 use crate::recover::Recovery;
+use crate::recover::answer::warning;
 use crate::report::{Moment, VERSION};
 use crate::unknown::Unknown;
 use serde::{Deserialize, Serialize};
@@ -40,7 +41,7 @@ pub struct Said {
 impl Said {
     /// A doubt, which stands before the answer too.
     pub fn doubt(&mut self, doubt: String) {
-        self.title.push(format!("warning: {doubt}"));
+        self.title.push(warning(&doubt));
         self.doubts.push(doubt);
     }
 }

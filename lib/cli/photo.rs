@@ -47,6 +47,7 @@ pub struct Photo<'a> {
     blurred: bool,
     seed: u64,
     digest: u64,
+    remarks: Vec<String>,
 }
 
 /// The most pixels in a row or column of a picture that is predicted, and of one on a page.
@@ -135,6 +136,7 @@ impl<'a> Photo<'a> {
             mask: mask.transpose()?,
             blurred: photo.filter == Some(Sharpness::Unknown),
             seed: arguments.common.seed,
+            remarks: said,
         };
         let others = if photographed { cut_out::others(&photo.evidence(), material, photo.seed) } else { vec![] };
         if !others.is_empty() {
@@ -174,6 +176,11 @@ impl<'a> Photo<'a> {
     /// A number that any change of the files that it was made of changes.
     pub fn digest(&self) -> u64 {
         self.digest
+    }
+
+    /// What its file says of itself that does not go with what was typed, as was said when it was read.
+    pub fn remarks(&self) -> &[String] {
+        &self.remarks
     }
 
     /// Its columns.

@@ -44,6 +44,7 @@ pub fn recover(start: &str, target: &str, arguments: &Arguments, console: &Conso
     let found = found.recovery;
     cut.then(|| console.note("interrupted: the values are those of the samples taken by then"));
     let answer = answer::Answer::new(unknown, &found.values, Some(&found.known()));
+    said.title.extend(photo.remarks().iter().map(|remark| answer::warning(remark)));
     said.title.extend(found.sharpness().map(|blur| blur.title()));
     said.title.push(format!("chi2 {} over {} pixels", answer::six(found.chi2), found.pixels));
     let answered = Output::whole(arguments.common.output.as_deref(), &answer.file(&said.title)?);
@@ -53,7 +54,8 @@ pub fn recover(start: &str, target: &str, arguments: &Arguments, console: &Conso
     }
     // The page is written even if nobody reads the answer.
     let page = arguments.search.report.as_ref();
-    let reported = page.map_or(Ok(()), |path| report::of_recovery(path, &found, &answer, &said.doubts, &photo, &trail, console));
+    let doubts = [photo.remarks(), &said.doubts].concat();
+    let reported = page.map_or(Ok(()), |path| report::of_recovery(path, &found, &answer, &doubts, &photo, &trail, console));
     answered.and(reported).and(trail.written())?;
     let asked = options.tolerance.zip(answer.errors());
     let missed = asked.and_then(|(tolerance, errors)| answer::missed(unknown.parameters(), errors, tolerance));

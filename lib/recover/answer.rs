@@ -93,7 +93,7 @@ impl<'a> Answer<'a> {
                 lines.push(format!("correlations: {}", told.collect::<Vec<_>>().join(", ")));
             }
         }
-        lines.extend(self.doubts.iter().map(|doubt| format!("warning: {doubt}")));
+        lines.extend(self.doubts.iter().map(|doubt| warning(doubt)));
         lines
     }
 
@@ -106,6 +106,11 @@ impl<'a> Answer<'a> {
         bytes.extend_from_slice(&file[said_before(&file)..]);
         Ok(bytes)
     }
+}
+
+/// The line for a doubt.
+pub fn warning(doubt: &str) -> String {
+    format!("warning: {doubt}")
 }
 
 /// The line after those that an answer says: what follows is the file's own.
