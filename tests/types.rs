@@ -88,6 +88,13 @@ fn an_index_of_refraction_is_sought_within_reason() {
 }
 
 #[test]
+fn what_lets_nothing_through_is_not_sought() {
+    let done = annealed("plastic thing 0 0 5 .5 .5 .5 .05 .1", BALL, "--type dielectric --param red=0:0:1e-300");
+    let said = String::from_utf8(done.stderr).unwrap();
+    assert!(done.status.code() == Some(2) && said.contains("with such a red nothing comes through "), "{said}");
+}
+
+#[test]
 fn what_cannot_be_tried_is_said() {
     let directory = tempfile::tempdir().unwrap();
     fs::write(directory.path().join("start.rad"), START).unwrap();

@@ -9,7 +9,7 @@ mod through;
 use super::look::{Look, Looked, Model};
 use super::sheet::Sheet;
 use super::{Effort, Recovery, Seeds};
-use crate::anneal::anywhere;
+use crate::anneal::{Parameter, anywhere};
 use crate::error::Result;
 use indices::Search;
 use stage::Stage;
@@ -67,6 +67,13 @@ fn looked(through: &Through, pixels: &[usize], effort: Effort, tell: &dyn Fn(&st
         return Err(unknown
             .material()
             .error(format!("an index of refraction is sought up to {MOST_INDEX}; give it nearer bounds: --param ior=1.5:1:2.5")));
+    }
+    if let Some(i) = through.dark() {
+        let Parameter { name, .. } = &parameters[i];
+        let remedy = format!("give it bounds nearer to 1: --param {name}=.9999:.999:1");
+        return Err(unknown
+            .material()
+            .error(format!("with such a {name} nothing comes through {:.3} units of length; {remedy}", through.length)));
     }
     let search = Search { through, range: (low, high), effort: &effort };
     let (mut best, known) = match effort.around {

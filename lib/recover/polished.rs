@@ -171,7 +171,8 @@ fn odds(excess: f64) -> f64 {
 fn or_else(mirror: Recovery, lobe: &Recovery, excess: f64) -> Recovery {
     let away: Vec<f64> = mirror.values.iter().zip(&lobe.values).map(|(mirror, lobe)| lobe - mirror).collect();
     let part = odds(excess) / (1.0 + odds(excess));
-    let held = |i: usize, j: usize| part * (lobe.covariance.at(i, j) + away[i] * away[j]);
+    // A lobe that cannot be may have errors without end.
+    let held = |i: usize, j: usize| if part > 0.0 { part * (lobe.covariance.at(i, j) + away[i] * away[j]) } else { 0.0 };
     let covariance = Symmetric::of(away.len(), |i, j| (1.0 - part) * mirror.covariance.at(i, j) + held(i, j));
     Recovery { covariance, ..mirror }
 }

@@ -58,6 +58,12 @@ impl<'a> Through<'a> {
         self.unknown.reals(values).get(3).copied().unwrap_or(GLASS_INDEX)
     }
 
+    /// The place of a colour that lets nothing through within its bounds, as far as numbers go.
+    pub fn dark(&self) -> Option<usize> {
+        let bounds = self.unknown.bounds();
+        self.colors.iter().copied().find(|&i| bounds[i].0 >= bounds[i].1)
+    }
+
     /// From where to where each value is sought: an index of less than `LEAST_INDEX` bends light no further.
     pub fn bounds(&self) -> Vec<(f64, f64)> {
         let mut bounds = self.unknown.bounds();
