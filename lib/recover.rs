@@ -246,12 +246,12 @@ impl Evidence<'_> {
         self.pixels_in_parts(1, unknown, material)
     }
 
-    /// The same, but of a large picture no more, in tiles all over it, than a recovery looks at.
+    /// Of the [`Self::pixels`] of a large picture no more, in tiles all over it, than a recovery looks at.
     pub fn enough_pixels(&self, unknown: &Unknown, material: MaterialId) -> Result<Vec<usize>> {
         self.pixels_in_parts((self.film.width * self.film.height).div_ceil(LARGE), unknown, material)
     }
 
-    /// The same; errors if the picture is black in all, but where something else is seen beside it.
+    /// The [`Self::enough_pixels`]; errors if the picture is black in all, but where something else is seen beside it.
     pub fn telling_pixels(&self, unknown: &Unknown, material: MaterialId) -> Result<Vec<usize>> {
         let pixels = self.enough_pixels(unknown, material)?;
         if dead::all(self, &pixels, material) {
@@ -262,7 +262,7 @@ impl Evidence<'_> {
         Ok(pixels)
     }
 
-    /// The same of a picture in so many parts, of as many parts as have enough.
+    /// The [`Self::pixels`] of a picture in so many parts, of as many parts as have enough.
     fn pixels_in_parts(&self, parts: usize, unknown: &Unknown, material: MaterialId) -> Result<Vec<usize>> {
         // What is seen behind the unknown is not in an illumination field.
         let shown =

@@ -57,11 +57,13 @@ pub fn recover(sought: &Sought, effort: Effort, tell: &dyn Fn(&str)) -> Result<R
     let Some(Mirror { unknown, slot, likely }) = open(&found).filter(|_| !effort.late()) else { return Ok(found) };
     tell("polished");
     let mut near = found.values.clone();
-    slot.map(|slot| near.remove(slot));
+    if let Some(slot) = slot {
+        near.remove(slot);
+    }
     let near: Vec<f64> = near.iter().zip(unknown.bounds()).map(|(value, (low, high))| value.clamp(low, high)).collect();
     let mirror = Sought { evidence: &smooth, unknown: &unknown, kind: Kind { polished: true, ..sought.kind }, ..*sought };
-    // What one has looked at longer are the pixels that tell most of a roughness, which are few and the noisiest: both are asked of all,
-    // as a quick look has been.
+    // What one has looked at longer are the pixels that tell most of a roughness, which are few and the noisiest: both are glanced at, as
+    // a quick look has.
     let lobe = if effort.quick { found.clone() } else { sought.glance(effort, &found.values) };
     let seen = mirror.glance(effort, &near);
     let excess = seen.excess_but_one(&lobe);

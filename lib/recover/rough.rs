@@ -71,7 +71,7 @@ impl Sought<'_> {
         look.at(&mut stage, near, &mut Seeds::new(effort.seed)).found
     }
 
-    /// What all pixels say at a glance of values near some.
+    /// What the pixels, or as many of them as a quick look has, say at a glance of values near some.
     pub fn glance(&self, effort: Effort, near: &[f64]) -> Recovery {
         self.look(Effort { quick: true, told: &|_| {}, ..effort }, near)
     }

@@ -128,7 +128,7 @@ pub struct Sample {
 }
 
 impl Sample {
-    /// A sample of about so many of the pixels that show the unknown, as [`Evidence::pixels`] found them.
+    /// A sample of about so many of the pixels that show the unknown, as [`Evidence::enough_pixels`] found them.
     pub fn of(evidence: &Evidence, pixels: &[usize], about: usize) -> Self {
         let width = evidence.film.width;
         let side = ((pixels.len().min(about) as f64 / BLOCKS).sqrt() as usize).clamp(1, BLOCK);
