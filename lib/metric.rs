@@ -4,7 +4,7 @@
 //! reference (the photograph), the second what shall resemble it (the rendering).
 
 use crate::error::{Error, Result};
-use crate::picture::Picture;
+use crate::picture::{Picture, place};
 use serde::{Deserialize, Serialize};
 
 pub mod heat;
@@ -166,16 +166,15 @@ impl<'a> Comparison<'a> {
         })
     }
 
-    /// Divides by these variances, one for each value, in chi-squared. Errors if one is negative or not a number.
+    /// Divides by these variances, one for each value, in chi-squared. Errors if one that counts is negative or not a number.
     pub fn with_variance(self, variance: Named<'a>) -> Result<Self> {
         same_size(Named { name: "the reference", picture: self.reference }, variance)?;
-        match variance.picture.pixels.iter().position(|pixel| pixel.iter().any(|v| v.is_nan() || *v < 0.0)) {
-            None => Ok(Self { variance: Some(&variance.picture.pixels), ..self }),
-            Some(i) => {
-                let (x, y) = (i % variance.picture.width, i / variance.picture.width);
-                Err(Error::new(format!("{}: the variance in column {x} and row {y} is negative or not a number", variance.name)))
-            }
-        }
+        let compared = Self { variance: Some(&variance.picture.pixels), ..self };
+        let wrong = compared.values().find(|value| value.variance.is_some_and(|variance| variance.is_nan() || variance < 0.0));
+        wrong.map_or(Ok(compared), |Value { pixel, .. }| {
+            let at = place(pixel, variance.picture.width);
+            Err(Error::new(format!("{}: the variance in {at} is negative or not a number; leave such out with a mask", variance.name)))
+        })
     }
 
     /// Scales the image so that chi-squared is least, and gives the factor.
@@ -220,7 +219,7 @@ impl<'a> Comparison<'a> {
             let (difference, square) = ((v.a - v.b).abs(), (v.a - v.b) * (v.a - v.c));
             match v.variance {
                 None => m.chi2 += v.weight * square,
-                Some(variance) if variance > 0.0 => {
+                Some(variance) if variance > 0.0 && variance.is_finite() => {
                     m.chi2 += v.weight * square / variance;
                     m.degrees_of_freedom += v.weight;
                 }
@@ -376,12 +375,16 @@ mod tests {
         let mut b = picture(&(0..n).map(|i| std::array::from_fn(|c| 1.0 + noise(3 * i + c))).collect::<Vec<_>>());
         let mut variance = picture(&vec![[0.5; 3]; n]);
         variance.pixels[7] = [0.0; 3];
+        variance.pixels[8] = [f32::INFINITY; 3];
         b.pixels[7] = [1e6; 3];
         let m = Comparison::new(named(&a), named(&b), None, None).unwrap().with_variance(named(&variance)).unwrap().measure();
-        assert_eq!((m.degrees_of_freedom, m.without_variance), (29_997.0, 3));
+        assert_eq!((m.degrees_of_freedom, m.without_variance), (29_994.0, 6));
         assert!((m.chi2 / m.degrees_of_freedom - 1.0).abs() < 0.02, "{}", m.chi2 / m.degrees_of_freedom);
         variance.pixels[3][1] = f32::NAN;
         assert!(Comparison::new(named(&a), named(&b), None, None).unwrap().with_variance(named(&variance)).is_err());
+        // What is masked may be anything.
+        let weights: Vec<f32> = (0..n).map(|i| if i == 3 { 0.0 } else { 1.0 }).collect();
+        assert!(Comparison::new(named(&a), named(&b), None, Some(&weights)).unwrap().with_variance(named(&variance)).is_ok());
     }
 
     #[test]

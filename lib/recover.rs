@@ -70,6 +70,8 @@ pub struct Evidence<'a> {
     pub steps: Option<&'a [[f32; 3]]>,
     /// How much each pixel counts, from 0 to 1; all the same if `None`.
     pub mask: Option<&'a [f32]>,
+    /// Whether the picture is of the unknown alone, cut out on black.
+    pub alone: bool,
     /// Whether its pixels may be blurred otherwise than the view's: then that is found too.
     pub blurred: bool,
 }
@@ -264,9 +266,8 @@ impl Evidence<'_> {
 
     /// The [`Self::pixels`] of a picture in so many parts, of as many parts as have enough.
     fn pixels_in_parts(&self, parts: usize, unknown: &Unknown, material: MaterialId) -> Result<Vec<usize>> {
-        // What is seen behind the unknown is not in an illumination field.
-        let shown =
-            |n: &usize| self.counts(*n) && if self.world.has_field() { self.filled(*n, material) } else { self.touches(*n, material) };
+        let isolated = self.isolated();
+        let shown = |n: &usize| self.counts(*n) && if isolated { self.whole(*n, material) } else { self.touches(*n, material) };
         let Film { width, height, .. } = *self.film;
         let mut tiles = vec![vec![]; parts];
         for (row, column) in (0..height.div_ceil(TILE)).flat_map(|row| (0..width.div_ceil(TILE)).map(move |column| (row, column))) {
@@ -286,7 +287,7 @@ impl Evidence<'_> {
         if pixels.is_empty() {
             return Err(Error::new(format!(
                 "no pixel of the picture {} `{}`, by itself, in a mirror or through panes of glass: check the view and the mask",
-                if self.world.has_field() { "shows nothing but" } else { "shows" },
+                if isolated { "shows nothing but" } else { "shows" },
                 unknown.material().name
             )));
         }
@@ -307,6 +308,17 @@ impl Evidence<'_> {
     /// Whether a pixel counts.
     pub fn counts(&self, n: usize) -> bool {
         self.mask.is_none_or(|mask| mask[n] > 0.0)
+    }
+
+    /// Whether nothing is known of what is seen beside the unknown: it is not in an illumination field, and was cut off where the unknown was cut out.
+    pub fn isolated(&self) -> bool {
+        self.alone || self.world.has_field()
+    }
+
+    /// Whether a pixel holds no light but the unknown's: that of a filter's neighbours counts too.
+    fn whole(&self, n: usize, material: MaterialId) -> bool {
+        let reach = usize::from(self.film.filter.beyond().is_some());
+        self.film.around(n, reach).all(|beside| self.filled(beside, material))
     }
 
     /// Whether the unknown is seen somewhere in a pixel.

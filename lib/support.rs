@@ -25,7 +25,7 @@ impl Feature {
 pub fn unsupported(primitive: &Primitive) -> Error {
     let Primitive { kind, name, .. } = primitive;
     let what = Feature::of(kind).map_or("unknown", |feature| feature.name);
-    primitive.error(format!("{kind} `{name}` is not rendered ({what}); replace it, or leave its surfaces out with --skip-unsupported"))
+    primitive.error(format!("{kind} `{name}` is not rendered ({what})"))
 }
 
 /// Every primitive type once.

@@ -254,6 +254,13 @@ impl AsRef<Common> for Arguments {
     }
 }
 
+impl Photo {
+    /// The files that it is read from.
+    pub fn files(&self) -> Vec<&str> {
+        [&self.target, &self.mask].into_iter().flatten().chain(&self.scene).map(String::as_str).collect()
+    }
+}
+
 impl Arguments {
     /// What is to be done.
     pub fn job(&self) -> Result<Job> {

@@ -44,6 +44,7 @@ pub struct Photo<'a> {
     target: Picture,
     steps: Vec<[f32; 3]>,
     mask: Option<Vec<f32>>,
+    alone: bool,
     blurred: bool,
     seed: u64,
     digest: u64,
@@ -73,9 +74,11 @@ impl<'a> Photo<'a> {
         let typed = Typed {
             bounces: light.ab.is_some() || rules.ambient_bounces == 0,
             ambient: light.av.is_some(),
-            lamps: light.dj.or(light.ds).is_some(),
+            jitter: light.dj.is_some(),
+            division: light.ds.is_some(),
             mirrors: light.dr.is_some(),
             medium: light.me.is_some(),
+            backs: light.bv.is_some(),
             lobe: light.ward.is_some(),
             fresnel: light.fresnel_offset.is_some(),
         };
@@ -117,7 +120,8 @@ impl<'a> Photo<'a> {
         said.extend(of_rendering(&target, unknown, light, world.lamps().len()));
         said.iter().for_each(|remark| console.warn(remark));
         let mirrors = typed.mirrors || !world.lamps().iter().any(|lamp| lamp.relay.is_some());
-        let typed = Typed { lamps: typed.lamps || world.lamps().is_empty(), mirrors, ..typed };
+        let dark = world.lamps().is_empty();
+        let typed = Typed { jitter: typed.jitter || dark, division: typed.division || dark, mirrors, ..typed };
         reckoning.and_then(|reckoning| reckoning.note(&name, typed)).iter().for_each(|note| console.note(note));
         let photographed = !name.is_empty();
         let mut photo = Self {
@@ -134,13 +138,13 @@ impl<'a> Photo<'a> {
             target,
             steps,
             mask: mask.transpose()?,
+            alone: false,
             blurred: photo.filter == Some(Sharpness::Unknown),
             seed: arguments.common.seed,
             remarks: said,
         };
-        let others = if photographed { cut_out::others(&photo.evidence(), material, photo.seed) } else { vec![] };
-        if !others.is_empty() {
-            photo.leave_out(&others);
+        photo.alone = photographed && cut_out::alone(&photo.evidence(), material, photo.seed);
+        if photo.alone {
             console.note(&format!(
                 "{name} is black around `{}`, where the scene is not, as if cut out: only pixels that it fills count",
                 unknown.material().name
@@ -169,6 +173,7 @@ impl<'a> Photo<'a> {
             target: &self.target,
             steps: Some(&self.steps),
             mask: self.mask.as_deref(),
+            alone: self.alone,
             blurred: self.blurred,
         }
     }

@@ -121,13 +121,22 @@ impl Output {
         Ok(Self { name, to: To::File(BufWriter::with_capacity(1 << 16, file), path) })
     }
 
-    /// Errors if one of the files that are to be written later could not be, or is named twice, so that long work is not done for nothing. What is
-    /// there stays as it is; a pipe or a device is not tried, since whoever reads it would take the trial for the whole.
-    pub fn check<'a>(paths: impl IntoIterator<Item = &'a Path>) -> Outcome<()> {
+    /// Errors if one of the files that are to be written later could not be, is named twice, or is one of the `sources` that are read and would be lost,
+    /// so that long work is not done for nothing. What is there stays as it is; a pipe or a device is not tried, since whoever reads it would take the
+    /// trial for the whole.
+    pub fn check<'a>(paths: impl IntoIterator<Item = &'a Path>, sources: &[&str]) -> Outcome<()> {
         let mut places = HashSet::new();
         for path in paths {
             if std::fs::metadata(path).is_ok_and(|m| !m.is_file() && !m.is_dir()) {
                 continue;
+            }
+            let read = |source: &&str| {
+                std::fs::canonicalize(source).is_ok_and(|source| std::fs::canonicalize(path).is_ok_and(|path| path == source))
+            };
+            if sources.iter().any(read) {
+                return Err(
+                    Error::new(format!("{}: read here, and would be lost; give the output a file of its own", path.display())).into()
+                );
             }
             let mut place = None;
             if let To::File(writer, path) = Self::create(Some(path))?.to {
@@ -256,10 +265,12 @@ mod tests {
         let path = directory.path().join("file");
         std::fs::write(&path, "old").unwrap();
         let new = directory.path().join("new");
-        Output::check([&*path, &*new, Path::new("-"), Path::new("/dev/null"), Path::new("/dev/null")]).unwrap();
-        assert!(Output::check([&*directory.path().join("no/such")]).is_err() && Output::check([directory.path()]).is_err());
+        Output::check([&*path, &*new, Path::new("-"), Path::new("/dev/null"), Path::new("/dev/null")], &["none"]).unwrap();
+        assert!(Output::check([&*directory.path().join("no/such")], &[]).is_err() && Output::check([directory.path()], &[]).is_err());
+        let source = directory.path().join("./file").display().to_string();
+        assert!(matches!(Output::check([&*path], &["-", &source]), Err(Stop::Failed(e)) if e.message.contains("would be lost")));
         for twice in [[&*path, &*directory.path().join("./file")], [&*new, &*new], [Path::new("-"), Path::new("-")]] {
-            assert!(matches!(Output::check(twice), Err(Stop::Failed(e)) if e.message.contains("named for two outputs")));
+            assert!(matches!(Output::check(twice, &[]), Err(Stop::Failed(e)) if e.message.contains("named for two outputs")));
         }
         assert_eq!(std::fs::read(&path).unwrap(), b"old");
         assert_eq!(std::fs::read_dir(&directory).unwrap().count(), 1);

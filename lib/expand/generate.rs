@@ -44,7 +44,7 @@ pub fn foreign(words: &[String]) -> Option<&str> {
     let (program, arguments) = words.split_first()?;
     let has = |option: &str| arguments.iter().any(|a| a == option);
     // A round box seen from inside is a mesh of its own.
-    let inward = (program == "genbox" && has("-i") && has("-r")).then_some("-i");
+    let inward = (program == "genbox" && has("-i") && has("-r")).then_some("-i with -r");
     beyond(program)?.iter().copied().find(|option| has(option)).or(inward)
 }
 

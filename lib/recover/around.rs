@@ -29,8 +29,7 @@ pub fn otherwise_around(
     material: MaterialId,
     seed: u64,
 ) -> Option<String> {
-    // What is seen behind the unknown is not in an illumination field.
-    if world.has_field() {
+    if evidence.isolated() {
         return None;
     }
     let looked_at = Looked::new(evidence, LOOKED_AT, |n| !evidence.touches(n, material))?;

@@ -38,7 +38,7 @@ impl Misfit {
 }
 
 /// Which single pixels hold too little light, they and those beside them, or too much: those of which both halves say so, by this factor; and how many
-/// they are, and the part of all light that they lack, or hold beyond what the model says, at the least, where that is no accident. Of 20 pictures with
+/// they are at the least, half of all at the most, and the part of all light that they lack, or hold beyond what the model says, at the least, where that is no accident. Of 20 pictures with
 /// highlights that were recovered right, such pixels lacked less than 3 %, or held 4.3 % at the most; of 10 whose sun few samples had found, they lacked
 /// 8 to 32 %, or held 4 to 74 %.
 const FACTOR: f64 = 3.0;
@@ -64,7 +64,9 @@ fn singles(target: &[[f32; 3]], brightest: impl Fn(usize) -> f64, halves: &[Half
             held = (held.0 + 1, held.1 + photographed - found);
         }
     }
-    let part = |(count, sum): (usize, f64), least: f64| if count >= SEVERAL && sum > least * light { sum / light } else { 0.0 };
+    let few = SEVERAL..=target.len() / 2;
+    let part =
+        |(count, sum): (usize, f64), least: f64| if few.contains(&count) && light > 0.0 && sum > least * light { sum / light } else { 0.0 };
     part(lacking, LACKING).max(part(held, HELD))
 }
 
@@ -183,5 +185,8 @@ mod tests {
             assert_eq!(told(count, picture, found), 0.0);
         }
         assert_eq!(told(5, 2.9, [1.0; 2]), 0.0);
+        // What most pixels are, single ones are not; nor is any part of nothing told.
+        assert_eq!(told(60, 20.0, [1.0; 2]), 0.0);
+        assert_eq!(singles(&[[1.0; 3]; 9].map(|v| v), |_| 3.0, &[vec![[0.0; 3]; 9], vec![[0.0; 3]; 9]]), 0.0);
     }
 }

@@ -1,6 +1,7 @@
 //! How much each pixel can be trusted.
 
 use super::Evidence;
+use super::dead::black;
 use crate::metric::EPSILON;
 use crate::transport::Basis;
 use rayon::prelude::*;
@@ -130,13 +131,14 @@ impl<'a> Sheet<'a> {
         self.sums(values, reach as isize, share).map(|(sum, _)| sum).collect()
     }
 
-    /// The values of the pixels on the four sides of one; the target's where they are not in the sheet. None of what is masked, or no number.
+    /// The values of the pixels on the four sides of one; the target's where they are not in the sheet. None of what is masked, cut off, or no number.
     pub fn beside(&self, i: usize, values: &Half) -> Vec<[f64; 3]> {
         let (x, y) = self.place(self.numbers[i]);
         let (width, height) = (self.evidence.film.width, self.evidence.film.height);
         let sides = [(x.wrapping_sub(1), y), (x + 1, y), (x, y.wrapping_sub(1)), (x, y + 1)];
         let inside = sides.into_iter().filter(|(u, v)| *u < width && *v < height).map(|(u, v)| v * width + u);
-        let seen = inside.filter(|&n| self.evidence.counts(n) && self.evidence.target.pixels[n].iter().all(|v| v.is_finite()));
+        let cut = |n: usize| self.evidence.alone && black(self.evidence, n);
+        let seen = inside.filter(|&n| self.evidence.counts(n) && !cut(n) && self.evidence.target.pixels[n].iter().all(|v| v.is_finite()));
         seen.map(|n| match self.places[n] {
             u32::MAX => self.evidence.target.pixels[n].map(f64::from),
             place => values[place as usize],

@@ -1,5 +1,6 @@
 //! Which of the light around its centre a pixel takes in.
 
+use crate::rules::defaults::PIXEL_JITTER;
 use crate::rules::rendered::Command;
 
 /// How much light counts by where it is in a pixel or beside it: along both axes alike, a density in steps.
@@ -61,14 +62,17 @@ impl Filter {
         for line in lines {
             let command = Command::of(line);
             let radius = |name: &str| command.given(name).filter(|radius| (0.0..=WIDEST).contains(radius));
+            let jitter = || command.given("-pj").filter(|width| (0.0..=1.0).contains(width)).map(Self::boxed);
             let mut larger = None;
             match command.program() {
                 "pfilt" if ["-x", "-y", "-r"].iter().any(|name| command.word(name).is_some()) => {
                     let times = command.times().or_else(|| Some(width? / command.given("-x")?));
                     larger = times.filter(|times| (1.0..=FINE).contains(times));
-                    filter = radius("-r").map(|radius| Self::gaussian(radius, larger));
+                    let as_large = filter.filter(|_| larger == Some(1.0));
+                    filter = radius("-r").map(|radius| Self::gaussian(radius, larger)).or(as_large);
                 }
-                "rtrace-rs" => filter = radius("--filter").map(|radius| Self::gaussian(radius, None)),
+                "rpict" => filter = jitter().or(Some(Self::boxed(PIXEL_JITTER))),
+                "rtrace-rs" => filter = radius("--filter").map(|radius| Self::gaussian(radius, None)).or_else(jitter),
                 _ => {}
             }
             width = larger.zip(width).map(|(times, width): (f64, f64)| width / times).or(command.given("-x")).or(width);
@@ -158,6 +162,17 @@ mod tests {
         assert_eq!(said(&["pfilt -r .6 -x 480", "pfilt -1 -e +1"]), gaussian(0.6, None));
         assert_eq!(said(&["rtrace-rs --filter .7 -x 64 a.rad"]), gaussian(0.7, None));
         assert_eq!(said(&["rtrace-rs --filter=.7 -x 64 a.rad"]), gaussian(0.7, None));
+        // What was not made smaller is what it was rendered as.
+        for (lines, width) in [
+            (&["rpict -x 96 a.oct", "pcomb -s 2 a.hdr"][..], Some(0.67)),
+            (&["rpict -x 96 -pj 0 a.oct"], Some(0.0)),
+            (&["rpict -x 96 -pj .9 a.oct", "pfilt -1 -x 96"], Some(0.9)),
+            (&["rpict -x 96 a.oct", "pfilt -1 -x /2 -y /2"], None),
+            (&["rtrace-rs -x 96 -pj .5 a.rad"], Some(0.5)),
+            (&["rtrace-rs -x 96 a.rad"], None),
+        ] {
+            assert_eq!(said(lines), width.map(Filter::boxed), "{lines:?}");
+        }
         // A box takes in the area of its pixels, however they were filtered.
         assert_eq!(said(&["pfilt -r .6 -x /2", "pfilt -x /4 -y /4"]), None);
         assert_eq!(said(&["rpict -x 960 a.oct", "pfilt -r x -x 480", "pfilt -r -1 -x 0", "pfilt -r"]), None);

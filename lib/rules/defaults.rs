@@ -22,5 +22,8 @@ pub fn radiances(option: &str) -> [f64; 2] {
     DEFAULTS.iter().find(|(name, _)| *name == option).expect("an option with a default of RADIANCE's").1
 }
 
+/// The part of a pixel's width that rpict samples, where no `-pj` says another.
+pub const PIXEL_JITTER: f64 = 0.67;
+
 /// The width and the height of a picture in pixels, at the most.
 pub const SIZE: usize = 512;

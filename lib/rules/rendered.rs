@@ -4,6 +4,7 @@ use super::defaults::{SIZE, radiances};
 use super::{Rules, UNWEIGHTED, Ward};
 use crate::color::Rgb;
 use crate::picture::command_words;
+use crate::rad::Number;
 use std::f64::consts::PI;
 use std::ops::Range;
 use std::str::FromStr;
@@ -45,6 +46,16 @@ impl<'a> Command<'a> {
         let number = |word: &&str| word.parse::<f64>().ok().filter(|number| number.is_finite() && *number >= 0.0);
         let numbers: Vec<f64> = self.after(name)?.iter().take(3).map_while(number).collect();
         <[f64; 3]>::try_from(numbers).ok().map(Rgb::from)
+    }
+
+    /// Whether an option is on that is if it is not given: by itself it turns to the other, and by what follows it on or off.
+    fn on(&self, name: &str) -> bool {
+        self.0.iter().filter_map(|word| word.strip_prefix(name)).fold(true, |on, rest| match rest.as_bytes() {
+            [] => !on,
+            [b'+' | b'1' | b'y' | b'Y' | b't' | b'T'] => true,
+            [b'-' | b'0' | b'n' | b'N' | b'f' | b'F'] => false,
+            _ => on,
+        })
     }
 
     /// By how many times `-x /N` makes a picture smaller, if it says so.
@@ -128,12 +139,16 @@ pub struct Typed {
     pub bounces: bool,
     /// `-av`.
     pub ambient: bool,
-    /// `-dj` or `-ds`.
-    pub lamps: bool,
+    /// `-dj`.
+    pub jitter: bool,
+    /// `-ds`.
+    pub division: bool,
     /// `-dr`.
     pub mirrors: bool,
     /// `-me`.
     pub medium: bool,
+    /// `-bv`.
+    pub backs: bool,
     /// `--ward`.
     pub lobe: bool,
     /// `--fresnel-offset`.
@@ -154,6 +169,8 @@ pub struct Reckoning {
     mirrors: u32,
     /// The extinction of what fills the scene.
     medium: Rgb,
+    /// Whether backs of surfaces are there.
+    backs: bool,
     /// The form of the rough reflection lobe.
     lobe: Ward,
     /// What the Fresnel term of polished surfaces is lowered by, if it is not as usual.
@@ -182,6 +199,7 @@ impl Reckoning {
             lamps: jitter.map(|jitter| [jitter, division]),
             mirrors: count("-dr", mirrors),
             medium: command.color("-me").unwrap_or(default.extinction),
+            backs: command.on("-bv"),
             lobe: if ours && command.word("--ward").is_some() { Ward::Original } else { default.lobe },
             fresnel_offset: command.given("--fresnel-offset").or_else(|| lines.filter_map(offset_of_release).last()),
         })
@@ -195,14 +213,22 @@ impl Reckoning {
         if !typed.ambient {
             rules.ambient_value = self.ambient;
         }
-        if let Some([jitter, division]) = self.lamps.filter(|_| !typed.lamps) {
-            (rules.light_jitter, rules.light_division) = (Some(jitter), no_finer(division, jitter));
+        if let Some([jitter, division]) = self.lamps {
+            if !typed.jitter {
+                rules.light_jitter = Some(jitter);
+            }
+            if !typed.division {
+                rules.light_division = rules.light_jitter.map_or(division, |jitter| no_finer(division, jitter));
+            }
         }
         if !typed.mirrors {
             rules.mirror_levels = self.mirrors;
         }
         if !typed.medium {
             rules.extinction = self.medium;
+        }
+        if !typed.backs {
+            rules.back_visible = self.backs;
         }
         if !typed.lobe {
             rules.lobe = self.lobe;
@@ -215,14 +241,21 @@ impl Reckoning {
 
     /// That the picture `name` is taken to be rendered so, where nothing was typed of that; `None` where that says nothing.
     pub fn note(&self, name: &str, typed: Typed) -> Option<String> {
-        let color = |option: &str, color: Rgb| (color != Rgb::ZERO).then(|| format!("{option} {} {} {}", color.x, color.y, color.z));
+        let number = |option: &str, value: f64| format!("{option} {}", Number(value));
+        let color = |option: &str, color: Rgb| {
+            (color != Rgb::ZERO).then(|| format!("{} {} {}", number(option, color.x), Number(color.y), Number(color.z)))
+        };
+        let Rules { light_jitter, light_division, .. } = self.taken_into(Rules::default(), typed);
+        let lamps = |option: String| self.lamps.map(|_| option);
         let said = [
             (typed.bounces, self.limit()),
             (typed.ambient, color("-av", self.ambient)),
             (typed.medium, color("-me", self.medium)),
             (typed.mirrors, Some(format!("-dr {}", self.mirrors))),
+            (typed.backs, (!self.backs).then(|| "-bv-".into())),
             (typed.lobe, (self.lobe == Ward::Original).then(|| "--ward 1992".into())),
-            (typed.lamps, self.lamps.map(|[jitter, division]| format!("-dj {jitter} -ds {division}"))),
+            (typed.jitter, light_jitter.map(|jitter| number("-dj", jitter))),
+            (typed.division, lamps(number("-ds", light_division))),
         ];
         let options: Vec<String> = said.into_iter().filter_map(|(typed, option)| option.filter(|_| !typed)).collect();
         let note = || format!("{name} was rendered by {} with {}, and so it is here", self.program, options.join(" "));
@@ -340,23 +373,26 @@ mod tests {
 
     #[test]
     fn light_is_reckoned_with_as_the_header_has_it() {
-        let rules = |lines: &[&str], [bounces, lamps]: [bool; 2]| {
+        let rules = |lines: &[&str], [bounces, jitter, division]: [bool; 3]| {
             let reckoning = Reckoning::of(lines.iter().copied());
-            let typed = Typed { bounces, lamps, ..Typed::default() };
+            let typed = Typed { bounces, jitter, division, ..Typed::default() };
             let rules = reckoning.map(|reckoning| reckoning.taken_into(Rules::default(), typed));
             rules.map(|rules| (rules.ambient_bounces, rules.light_jitter, rules.light_division))
         };
         let (all, division) = (Rules::default().ambient_bounces, Rules::default().light_division);
-        assert_eq!(rules(&["rpict -ab 2 a.oct", "\tpfilt -x /2"], [false; 2]), Some((2, Some(0.0), 0.25)));
-        assert_eq!(rules(&["rpict -ab 2 -dj .7 -ds .1 a.oct"], [true, false]), Some((all, Some(0.7), 0.1)));
-        assert_eq!(rules(&["rpict -ab 2 -ds 0 a.oct"], [false; 2]), Some((2, Some(0.0), 0.0)));
+        assert_eq!(rules(&["rpict -ab 2 a.oct", "\tpfilt -x /2"], [false; 3]), Some((2, Some(0.0), 0.25)));
+        assert_eq!(rules(&["rpict -ab 2 -dj .7 -ds .1 a.oct"], [true, false, false]), Some((all, Some(0.7), 0.1)));
+        assert_eq!(rules(&["rpict -ab 2 -ds 0 a.oct"], [false; 3]), Some((2, Some(0.0), 0.0)));
         // Parts of .112 of their distance, jittered over nine tenths of it, widen by .1 · .112² / 4π.
-        let (_, _, coarser) = rules(&["rpict -ab 2 -dj .9 -ds .02 a.oct"], [false; 2]).unwrap();
+        let (_, _, coarser) = rules(&["rpict -ab 2 -dj .9 -ds .02 a.oct"], [false; 3]).unwrap();
         assert!((coarser - 0.112).abs() < 1e-3, "{coarser}");
-        assert_eq!(rules(&["rtrace -ab 2 -dj .9 a.oct"], [false, true]), Some((2, None, division)));
-        assert_eq!(rules(&["/usr/bin/rtrace a.oct"], [false; 2]), Some((0, Some(0.0), 0.2)));
-        assert_eq!(rules(&["rtrace-rs a.rad"], [false; 2]), Some((all, None, division)));
-        assert_eq!(rules(&["hdrgen a.jpg"], [false; 2]), None);
+        assert_eq!(rules(&["rtrace -ab 2 -dj .9 a.oct"], [false, true, true]), Some((2, None, division)));
+        // Who types one of both has the other from the header.
+        assert_eq!(rules(&["rpict -ab 2 a.oct"], [false, false, true]), Some((2, Some(0.0), division)));
+        assert_eq!(rules(&["rpict -ab 2 -dj .7 a.oct"], [false, true, false]), Some((2, None, 0.25)));
+        assert_eq!(rules(&["/usr/bin/rtrace a.oct"], [false; 3]), Some((0, Some(0.0), 0.2)));
+        assert_eq!(rules(&["rtrace-rs a.rad"], [false; 3]), Some((all, None, division)));
+        assert_eq!(rules(&["hdrgen a.jpg"], [false; 3]), None);
         let note = |line| Reckoning::of([line].into_iter()).and_then(|reckoning| reckoning.note("a.hdr", Typed::default()));
         assert_eq!(note("rpict -ab 2 a.oct").unwrap(), "a.hdr was rendered by rpict with -ab 2 -dr 1 -dj 0 -ds 0.25, and so it is here");
         assert!(note("rpict -ab 2 -av .1 .2 .3 -dj 1 a.oct").unwrap().contains("with -ab 2 -av 0.1 0.2 0.3 -dr 1 -dj 1 "));
@@ -373,8 +409,13 @@ mod tests {
         }
         assert_eq!(rules("rpict -me .1 .2 .3 a.oct").extinction.to_array(), [0.1, 0.2, 0.3]);
         assert_eq!([rules("rtrace-rs --ward 1992 a.rad").lobe, rules("rpict a.oct").lobe], [Ward::Original, Ward::Bounded]);
-        let typed = Typed { mirrors: true, medium: true, lobe: true, ..Typed::default() };
-        let line = "rtrace-rs -dr 1 -me 1 1 1 --ward 1992 a.rad";
+        for (line, visible) in
+            [("rpict a.oct", true), ("rpict -bv- a.oct", false), ("rpict -bv0 -bv a.oct", true), ("rpict -bv a.oct", false)]
+        {
+            assert_eq!(rules(line).back_visible, visible, "{line}");
+        }
+        let typed = Typed { mirrors: true, medium: true, backs: true, lobe: true, ..Typed::default() };
+        let line = "rtrace-rs -dr 1 -me 1 1 1 -bv- --ward 1992 a.rad";
         assert_eq!(Reckoning::of([line].into_iter()).unwrap().taken_into(Rules::default(), typed), Rules::default());
         let said = |line: &'static str, typed| otherwise([line], typed).unwrap_or_default();
         assert!(said("rpict -ae floor a.oct", false).contains("rpict with -ae: only some surfaces"));

@@ -38,8 +38,12 @@ impl From<Error> for Unresolved {
 
 impl From<Unresolved> for Error {
     fn from(unresolved: Unresolved) -> Self {
-        let (Unresolved::Unsupported(error) | Unresolved::Wrong(error)) = unresolved;
-        error
+        match unresolved {
+            Unresolved::Unsupported(error) => {
+                Self { message: format!("{}; replace it, or leave its surfaces out with --skip-unsupported", error.message), ..error }
+            }
+            Unresolved::Wrong(error) => error,
+        }
     }
 }
 

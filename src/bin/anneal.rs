@@ -25,7 +25,7 @@ fn run(arguments: Arguments, console: &Console) -> Outcome<Answer> {
         Job::Propose(state, _) | Job::Tell(state, _) | Job::Best(state) => Some(&**state),
     };
     let outputs = [Some(arguments.common.output()), driven, state.as_deref(), report.as_deref(), log.as_deref()];
-    Output::check(outputs.into_iter().flatten())?;
+    Output::check(outputs.into_iter().flatten(), &arguments.photo.files())?;
     match job {
         Job::Search(start) => search(&start, &arguments, console),
         Job::Propose(state, start) => {

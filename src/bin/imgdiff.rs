@@ -16,7 +16,9 @@ fn main() -> ExitCode {
 fn run(args: Args, console: &Console) -> Outcome<Answer> {
     let metrics = args.metrics()?;
     let files = [Some(args.common.output()), args.heatmap.as_deref(), args.side_by_side.as_deref()];
-    Output::check(files.into_iter().flatten())?;
+    let others = [&args.unbiased, &args.mask, &args.variance].into_iter().flatten();
+    let sources: Vec<&str> = [&args.a, &args.b].into_iter().chain(others).map(String::as_str).collect();
+    Output::check(files.into_iter().flatten(), &sources)?;
     let (a, b) = (radiance(&args.a)?, radiance(&args.b)?);
     let c = args.unbiased.as_ref().map(|name| radiance(name)).transpose()?;
     let mask = args.mask.as_ref().map(|name| radiance(name)).transpose()?;

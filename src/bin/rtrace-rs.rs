@@ -21,7 +21,9 @@ fn run(args: Arguments, console: &Console) -> Outcome<Answer> {
         return Output::whole(args.common.output.as_deref(), text.as_bytes()).map(|()| answer);
     }
     args.check()?;
-    Output::check(args.files())?;
+    // Parts may be summed up in one of them.
+    let sources: Vec<&str> = args.scenes.iter().filter(|_| !args.merge).map(String::as_str).collect();
+    Output::check(args.files(), &sources)?;
     if args.merge {
         return film::merge(&args).map(|()| Answer::Yes);
     }

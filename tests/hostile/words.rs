@@ -44,6 +44,7 @@ pub fn arguments() -> Vec<Case> {
         ("imgdiff -o /dev/full a a", "/dev/full"),
         ("imgdiff --heatmap h.png --side-by-side h.png a a", "h.png: named for two outputs"),
         ("imgdiff -o h.png --heatmap ./h.png a a", "h.png: named for two outputs"),
+        ("imgdiff a a --heatmap ./a", "a: read here, and would be lost"),
         ("imgdiff - -", "standard input"),
         ("imgdiff --all --metric mse a a", "--metric"),
         // The renderer.
@@ -85,7 +86,7 @@ pub fn arguments() -> Vec<Case> {
         ("SEE --variance no/such/v.exr main.rad", "no/such"),
         ("SEE -o v.exr --variance v.exr main.rad", "v.exr: named for two outputs"),
         ("SEE -z v.exr --aov normal ./v.exr main.rad", "v.exr: named for two outputs"),
-        ("SEE -o main.rad --variance ./main.rad main.rad", "main.rad: named for two outputs"),
+        ("SEE -o ./main.rad main.rad", "main.rad: read here, and would be lost"),
         ("SEE -x 99999999999 -y 99999999999 main.rad", "2^28"),
         ("SEE --error 0.1 main.rad", "--error"),
         ("SEE --time 1 main.rad", "--time"),
@@ -147,6 +148,7 @@ pub fn arguments() -> Vec<Case> {
         ("anneal --exec echo~1 --state s --report s main.rad", "s: named for two outputs"),
         ("anneal --exec echo~1 --log s -o s main.rad", "s: named for two outputs"),
         ("anneal propose s main.rad -o s", "s: named for two outputs"),
+        ("anneal --scene main.rad --target a.hdr --log main.rad start.rad", "main.rad: read here, and would be lost"),
         ("anneal --exec echo~1 -o /dev/full --steps 4 main.rad", "/dev/full"),
     ]
     .map(|(line, place)| (line.replace("SEE", SEE), place))

@@ -2,7 +2,7 @@
 
 use super::number;
 use super::sky::{HIGHEST, OVERCAST_GROUND, clear_ground, intermediate_ground};
-use super::sun::{Moment, direction};
+use super::sun::{Moment, direction, plain_hour};
 use crate::color::WHITE_EFFICACY;
 use crate::error::{Error, Result};
 use crate::expand::printf::e;
@@ -123,7 +123,7 @@ enum Known {
 
 /// The scene text that `gendaylit` prints for these arguments.
 pub fn gendaylit(arguments: &[String]) -> Result<String> {
-    let (mut moment, options) = Moment::parse(arguments)?;
+    let (mut moment, options) = Moment::parse(arguments, plain_hour)?;
     let (mut known, mut unit, mut reflectance, mut sunny) = (Known::Perez(1.0, 0.01), 0, 0.2, true);
     let mut options = options.iter();
     while let Some(option) = options.next() {

@@ -1,7 +1,7 @@
 //! `gensky`: the CIE's standard skies, as the functions that `skybright.cal` describes.
 
 use super::number;
-use super::sun::{Moment, direction};
+use super::sun::{Moment, direction, hour};
 use crate::error::{Error, Result};
 use crate::expand::printf::e;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
@@ -23,7 +23,7 @@ enum Sky {
 
 /// The scene text that `gensky` prints for these arguments.
 pub fn gensky(arguments: &[String]) -> Result<String> {
-    let (mut moment, options) = Moment::parse(arguments)?;
+    let (mut moment, options) = Moment::parse(arguments, hour)?;
     let (mut sky, mut sunny, mut reflectance, mut turbidity) = (Sky::Clear, true, 0.2, 2.45);
     let (mut zenith, mut irradiance, mut sun, mut sun_irradiance) = (None, None, None, None);
     let mut options = options.iter();

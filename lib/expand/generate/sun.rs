@@ -61,13 +61,13 @@ pub struct Date {
 }
 
 impl Moment {
-    /// Takes the place of the sun from the head of the arguments; the options are left.
-    pub fn parse(arguments: &[String]) -> Result<(Self, &[String])> {
+    /// Takes the place of the sun from the head of the arguments, where `hour` reads that; the options are left.
+    pub fn parse(arguments: &[String], hour: fn(&str) -> Result<Hour>) -> Result<(Self, &[String])> {
         if arguments.first().is_some_and(|a| a == "-ang") {
             let angle = |i: usize| number("-ang", arguments.get(i)).map(f64::to_radians);
             return Ok((Self::Angles(angle(1)?, angle(2)?), &arguments[3..]));
         }
-        let [month, day, hour, options @ ..] = arguments else {
+        let [month, day, time, options @ ..] = arguments else {
             return Err(Error::new("needs month, day and hour, or -ang and two angles"));
         };
         let whole = |word: &str, what: &str, limit: usize| {
@@ -75,7 +75,7 @@ impl Moment {
             number.ok_or_else(|| Error::new(format!("`{word}` is not a {what}, 1 to {limit}")))
         };
         let (month, day) = (whole(month, "month", 12)?, whole(day, "day", 31)?);
-        let (hour, solar, zone) = self::hour(hour)?;
+        let (hour, solar, zone) = hour(time)?;
         let zone = zone.map(f64::to_radians);
         // RADIANCE's default place is in California.
         let (latitude, longitude, meridian) = (0.66, 2.13, 120f64.to_radians());
@@ -186,8 +186,11 @@ impl Date {
     }
 }
 
-/// An hour as it is typed: `14.5`, `14:30`, `+12` (solar time), `9:30PDT`.
-fn hour(word: &str) -> Result<(f64, bool, Option<f64>)> {
+/// Hours, whether they are solar time, and the standard meridian of their time zone, if they name one, in degrees west.
+pub type Hour = (f64, bool, Option<f64>);
+
+/// An hour as `gensky` reads it: `14.5`, `14:30`, `+12` (solar time), `9:30PDT`.
+pub fn hour(word: &str) -> Result<Hour> {
     let bad = || Error::new(format!("`{word}` is not an hour; write 14.5, 14:30, 14:30EST or +12 for solar time"));
     let end = word.find(|c: char| c.is_ascii_alphabetic()).unwrap_or(word.len());
     let (digits, zone) = word.split_at(end);
@@ -200,4 +203,10 @@ fn hour(word: &str) -> Result<(f64, bool, Option<f64>)> {
     let names: Vec<&str> = ZONES.iter().map(|(name, _)| *name).collect();
     let meridian = known.ok_or_else(|| Error::new(format!("unknown time zone `{zone}`; known are {}", names.join(" "))))?.1;
     Ok((hour, false, Some(meridian)))
+}
+
+/// An hour as `gendaylit` reads it: a number, and nothing of what follows it: `9:30PDT` is 9.
+pub fn plain_hour(word: &str) -> Result<Hour> {
+    let end = word.find(|c: char| c == ':' || c.is_ascii_alphabetic()).unwrap_or(word.len());
+    hour(&word[..end]).map_err(|_| Error::new(format!("`{word}` is not an hour; write 14.5, or +12 for solar time")))
 }
