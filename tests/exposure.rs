@@ -62,12 +62,29 @@ fn another_white_balance_is_said_and_another_light() {
     let out = told_of(SCENE, |pixels| pixels.iter_mut().for_each(|p| p[2] *= 1.3));
     let said = "around the unknown red, green and blue of the picture are 1, 1 and 1.3 times as bright as the scene is, as by another white balance";
     assert!(out.contains(said) && out.contains(" --param exposure-blue=1.3:0.13:13 finds that"), "{out}");
+    assert!(out.contains("the light that the unknown is found by may be off by 30"), "{out}");
+    found(&out, &[("red", 0.6), ("green", 0.4), ("blue", 0.2)], 0.3);
     // The scene is lit by the same sky turned by 20 degrees: no factor makes up for that, and a fit of one does not hide it.
     let turned = SCENE.replace("brightfunc wave 2 ", "brightfunc wave 4 ").replace(" . 0 0\nwave", " . -rz 20 0 0\nwave");
     for options in ["", "--param exposure=1:.1:10 --fix spec"] {
         let out = told_in(&turned, options);
         assert!(out.contains("around the unknown the picture is not as the scene is there, neighbours together by "), "{out}");
         assert!(!out.contains("another exposure"), "{out}");
+    }
+}
+
+#[test]
+fn what_is_a_little_elsewhere_is_said_and_errors_hold_it() {
+    let directory = photographed("dielectric it 0 0 5 .8 .6 .9 1.5 0", SCENE, "-x 60 -y 60 --spp 64 --seed 5 -ab 1 -o target.exr");
+    let radius = |radius: &str| {
+        fs::write(directory.path().join("scene.rad"), SCENE.replace(" 0 0 0 1\n", &format!(" 0 0 0 {radius}\n"))).unwrap();
+        recovered(directory.path(), "-ab 1 --scene scene.rad --target target.exr start.rad")
+    };
+    let (out, smaller) = (radius("1"), radius(".98"));
+    assert!(!out.contains("warning"), "{out}");
+    assert!(smaller.contains("# warning: neighbouring pixels are "), "{smaller}");
+    for (out, most) in [(out, 0.01), (smaller, 0.1)] {
+        found(&out, &[("ior", 1.5), ("red", 0.8), ("green", 0.6), ("blue", 0.9)], most);
     }
 }
 

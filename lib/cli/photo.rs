@@ -15,7 +15,7 @@ use crate::integrator::survey;
 use crate::metric::{self, Named};
 use crate::picture::{Header, Picture, shrunk};
 use crate::rad::{Class, Document, Number, Primitive};
-use crate::recover::around::{otherwise_around, otherwise_there};
+use crate::recover::around::{Around, otherwise_around, otherwise_there};
 use crate::recover::{Evidence, Recovery, cut_out, dead, inside_out, otherwise, saturated};
 use crate::render::{Film, Filter};
 use crate::report::{Setting, Views};
@@ -241,8 +241,8 @@ impl<'a> Photo<'a> {
         Ok(Views { rendering, counts, lamp: setting.under_a_lamp(&reals)?, there, target })
     }
 
-    /// What is to be said if the picture is otherwise around the unknown than the scene, where that is what was found: it may light what is there.
-    pub fn otherwise_around(&self, found: &Recovery) -> Result<Option<String>> {
+    /// How the picture is otherwise around the unknown than the scene, where that is what was found: it may light what is there.
+    pub fn otherwise_around(&self, found: &Recovery) -> Result<Option<Around>> {
         let exposures = self.unknown.seeks_exposure().then(|| self.unknown.exposures(&found.values));
         let by = |world: &World| otherwise_around(&self.evidence(), world, exposures, self.material, self.seed);
         // Mostly nothing is to be said by what is there already.

@@ -88,7 +88,9 @@ fn found_in(photo: &mut Photo, effort: Effort, stopped: &dyn Fn() -> bool, conso
     let there = if hurried && recovery.explained() { photo.otherwise_there(&recovery)? } else { None };
     let others =
         [there, saturated, dead::said(&dead, photo.width(), left_out), strays(&recovery, photo.width()), photo.inside_out(&recovery)];
-    let doubts = photo.otherwise_around(&recovery)?.into_iter().chain(others.into_iter().flatten()).collect();
+    let around = photo.otherwise_around(&recovery)?;
+    recovery.misfit.around = around.as_ref().map_or(0.0, |around| around.off);
+    let doubts = around.map(|around| around.said).into_iter().chain(others.into_iter().flatten()).collect();
     Ok((Found { recovery, dead: if left_out { dead } else { vec![] } }, doubts))
 }
 

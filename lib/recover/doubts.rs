@@ -48,6 +48,13 @@ pub enum Standing {
     Open,
 }
 
+/// What an error that only neighbours have in common does to values, in terms of one of as much that all pixels have: of 25 pictures whose view, shape or
+/// map was a little off, colours and shares were off by a sixth of that on the average, roughnesses by up to 1.2 times, and indices by up to 5 times.
+const BESIDE: f64 = 0.5;
+const BESIDE_ROUGH: f64 = 1.0;
+const BESIDE_INDEX: f64 = 3.0;
+/// By how many times as much neighbours are off as areas where it is they that it is said of.
+const MOSTLY: f64 = 2.0;
 /// What is not determined has a standard error of at least this part of the one that bounds alone would give it.
 pub const UNDETERMINED: f64 = 0.3;
 /// Values that are known only together are correlated at least so much.
@@ -119,14 +126,21 @@ impl<'a> Errors<'a> {
         if self.unseen[i] || self.unseen[j] || !scaled.is_finite() { one } else { scaled }
     }
 
-    /// The error that the pixels are taken to have in common.
-    fn off(&self) -> f64 {
-        self.known.misfit.off().max(COMMON)
+    /// The error that the pixels are taken to have in common, as far as it moves a value.
+    fn off(&self, i: usize) -> f64 {
+        let Misfit { neighbours, .. } = self.known.misfit;
+        let beside = neighbours
+            * match &self.parameters[i].name[..] {
+                name if ROUGHNESSES.contains(&name) => BESIDE_ROUGH,
+                "ior" => BESIDE_INDEX,
+                _ => BESIDE,
+            };
+        self.known.misfit.alike().max(beside).max(COMMON)
     }
 
     /// What that makes of the covariance.
     fn moved(&self, i: usize, j: usize) -> f64 {
-        self.known.common.map_or(0.0, |common| self.scaled(common, i, j) * (self.off() / COMMON).powi(2))
+        self.known.common.map_or(0.0, |common| self.scaled(common, i, j) * self.off(i) * self.off(j) / (COMMON * COMMON))
     }
 
     /// How far each parameter is determined, and a sentence on each that is not, or on those that are so only together.
@@ -170,7 +184,7 @@ impl<'a> Errors<'a> {
         if self.scaled(&self.known.covariance, i, i).sqrt() < UNDETERMINED {
             let part = self.whole.at(i, i).sqrt();
             let far = if part > ANYWHERE { "anywhere between its bounds".to_string() } else { by(part * self.units[i]) };
-            format!("an error of {} % in the light, the shape or the picture could move it {far}", percent(self.off()))
+            format!("an error of {} % in the light, the shape or the picture could move it {far}", percent(self.off(i)))
         } else if self.known.common.is_some() {
             "this picture and this light say next to nothing of it".to_string()
         } else {
@@ -191,11 +205,21 @@ impl<'a> Errors<'a> {
         let open: Vec<&str> = of(Standing::Open).map(|i| self.parameters[i].name.as_str()).collect();
         let astray = self.known.misfit.off() >= ASTRAY;
         let lost = if astray && !open.is_empty() { format!("; {} cannot be told by it", list(&open)) } else { String::new() };
-        let Misfit { areas, singles } = self.known.misfit;
-        if areas < singles {
+        let Misfit { areas, neighbours, singles, around } = self.known.misfit;
+        if around > areas.max(neighbours).max(singles) {
+            let part = percent(around);
+            return format!("the light that the unknown is found by may be off by {part} % too, as what is around it is{harm}{lost}");
+        }
+        if areas.max(neighbours) < singles {
             return format!(
                 "single pixels hold {} % of the light too much or too little: few samples of a small bright light, such as a sun in the map, made the picture (render it with more, or with the sun as a light of its own), or the view, the shape or the light are not those of the photograph{harm}{lost}",
                 percent(singles)
+            );
+        }
+        if MOSTLY * areas < neighbours {
+            return format!(
+                "neighbouring pixels are {} % brighter or darker together than any noise explains: the view, the shape, the light or the type may not quite be those of the photograph{harm}{lost}",
+                percent(neighbours)
             );
         }
         let exposed = self.parameters.iter().any(|p| EXPOSURES.contains(&p.name.as_str()));
@@ -314,7 +338,7 @@ mod tests {
 
     /// What there is to think of a plastic, by the part of its parameters' ranges that the errors are, and a correlation of two of them.
     fn plastic(seen: [f64; 5], common: [f64; 5], (i, j, r): (usize, usize, f64), areas: f64) -> Judgement {
-        let misfit = Misfit { areas, singles: 0.0 };
+        let misfit = Misfit { areas, ..Misfit::default() };
         let document = Document::parse(Source::new("m.rad", "void plastic m 0 0 5 .6 .4 .2 .1 .1")).unwrap();
         let unknown = Unknown::new(document, &Wishes::default()).unwrap();
         let ranges: Vec<f64> = unknown.parameters().iter().map(Parameter::range).collect();
@@ -323,6 +347,23 @@ mod tests {
             Symmetric::of(5, |a, b| r(a, b) * e[a] * ranges[a] * e[b] * ranges[b])
         };
         judge(&unknown, &[0.6, 0.4, 0.2, 0.6, 0.1], &Known { covariance: matrix(seen), common: Some(&matrix(common)), misfit, blur: None })
+    }
+
+    #[test]
+    fn errors_hold_what_neighbours_or_things_around_are_off_by() {
+        let judged = |misfit: Misfit| {
+            let unknown =
+                Unknown::new(Document::parse(Source::new("m.rad", "void dielectric m 0 0 5 .5 .5 .5 1.5 0")).unwrap(), &Wishes::default());
+            let (covariance, common) = (Symmetric::diagonal(&[1e-8; 4]), Symmetric::diagonal(&[1e-6; 4]));
+            judge(&unknown.unwrap(), &[0.5, 0.5, 0.5, 1.5], &Known { covariance, common: Some(&common), misfit, blur: None })
+        };
+        // As much as what all pixels have in common does to the colours, by half; of the index three times as much.
+        let found = judged(Misfit { neighbours: 0.06, ..Misfit::default() });
+        assert!(found.doubts[0].starts_with("neighbouring pixels are 6 % brighter or darker together than any noise explains: "));
+        assert!((found.errors[0] - 0.002).abs() < 1e-5 && (found.errors[3] - 0.012).abs() < 1e-5, "{:?}", found.errors);
+        let found = judged(Misfit { around: 0.06, neighbours: 0.02, ..Misfit::default() });
+        assert!(found.doubts[0].starts_with("the light that the unknown is found by may be off by 6 % too, as what is around it is; "));
+        assert!((found.errors[0] - 0.004).abs() < 1e-5, "{:?}", found.errors);
     }
 
     #[test]

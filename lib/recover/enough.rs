@@ -181,7 +181,7 @@ mod tests {
     fn what_nothing_explains_is_not_looked_at_for_long() {
         let wanted = |areas: f64, tolerance: Option<f64>| {
             let (parameter, found) = asked("red", 2.0 * NEAR, 0.9, 0.9);
-            let found = Recovery { misfit: Misfit { areas, singles: 0.0 }, common: Symmetric::diagonal(&[NEAR * NEAR]), ..found };
+            let found = Recovery { misfit: Misfit { areas, ..Misfit::default() }, common: Symmetric::diagonal(&[NEAR * NEAR]), ..found };
             effort(tolerance).more(&[parameter], &found, [500.0, 1000.0], 40.0, false)
         };
         assert!(wanted(0.05, None).is_some() && wanted(0.2, Some(NEAR)).is_some());

@@ -1,7 +1,7 @@
 //! What is left of the picture that is not noise.
 //!
-//! Noise differs from pixel to pixel. What whole areas are off by, the model does not explain: the light, the shape or the type of the
-//! material are not those of the photograph, and standard errors, which go by the noise, do not count it.
+//! Noise differs from pixel to pixel. What whole areas are off by, or neighbours together, the model does not explain: the light, the shape or the
+//! type of the material are not those of the photograph, and standard errors, which go by the noise, do not count it.
 
 use super::sheet::{COMMON, Half, Sheet, glints};
 use crate::transport::Basis;
@@ -13,15 +13,25 @@ use std::collections::BTreeMap;
 pub struct Misfit {
     /// By which whole areas are off, on the average; 0 where noise may be all of it.
     pub areas: f64,
+    /// By which neighbours are off together besides, on the average, as along the edges of what is not where it should be; 0 where noise may be all of it.
+    pub neighbours: f64,
     /// Which single pixels lack, or hold beyond what the model says; 0 where those are few, or that is little.
     pub singles: f64,
+    /// By which the light of the unknown may be off as what is around it is; 0 where that is as it should be, or not looked at.
+    pub around: f64,
 }
 
 impl Misfit {
     /// Of a model that throws much light into few pixels by chance only areas are looked at.
     pub fn new(sheet: &Sheet, basis: &Basis, halves: &[Half], chancy: bool) -> Self {
+        // What is too dark by chance counts for more by its own noise: what one half leaves is weighed by how the other's samples differ.
+        let weights = [1, 0].map(|other| by_noise(sheet, basis, other));
+        let areas = areas(sheet, &weights, halves);
         Self {
-            areas: areas(sheet, basis, halves),
+            areas,
+            // What areas are off by neighbours are too.
+            neighbours: (neighbours(sheet, &weights, halves).powi(2) - areas * areas).max(0.0).sqrt(),
+            around: 0.0,
             singles: if chancy { 0.0 } else { singles(&sheet.target, |p| sheet.brightest(p), halves) },
         }
     }
@@ -31,9 +41,14 @@ impl Misfit {
         self.off() <= COMMON
     }
 
-    /// By which part of its light the picture is off, as far as that moves values.
+    /// By which part of its light the picture is off.
     pub fn off(&self) -> f64 {
-        self.areas.max(HARM * self.singles)
+        self.alike().max(self.neighbours)
+    }
+
+    /// By which all pixels may be off alike, as far as that moves values.
+    pub fn alike(&self) -> f64 {
+        self.areas.max(self.around).max(HARM * self.singles)
     }
 }
 
@@ -90,11 +105,8 @@ struct Field {
 /// By how much of their light whole areas are off, on the average; 0 where noise may be all of it.
 ///
 /// White and black fields of an area share no pixel, so no noise: the mean product of what is left of either is the square of what they
-/// have in common, whatever the noise. Where a filter lets neighbours share theirs, the fields are columns so far apart that they do not. But both may
-/// have been weighed by the same noise, by which what is too dark by chance counts for more: what one half of the samples leaves is weighed by how the
-/// other's differ.
-fn areas(sheet: &Sheet, basis: &Basis, halves: &[Half]) -> f64 {
-    let weights = [1, 0].map(|other| by_noise(sheet, basis, other));
+/// have in common, whatever the noise. Where a filter lets neighbours share theirs, the fields are columns so far apart that they do not.
+fn areas(sheet: &Sheet, weights: &[Half; 2], halves: &[Half]) -> f64 {
     let spacing = sheet.spacing();
     // As many columns of one colour as of the other.
     let side = AREA.next_multiple_of(2 * spacing);
@@ -133,6 +145,27 @@ fn areas(sheet: &Sheet, basis: &Basis, halves: &[Half]) -> f64 {
         // Both halves share the noise of the picture.
         squares += each.iter().map(error).sum::<f64>().powi(2);
         light += sum(&|field| field.value);
+    }
+    if common > SURE * squares.sqrt() && light > 0.0 { (common / light).sqrt() } else { 0.0 }
+}
+
+/// By how much of their light neighbours are off together, on the average; 0 where noise may be all of it: what one half leaves of a pixel and the other
+/// of the next shares no noise.
+fn neighbours(sheet: &Sheet, weights: &[Half; 2], halves: &[Half]) -> f64 {
+    let (mut common, mut squares, mut light) = (0.0, 0.0, 0.0);
+    for (p, next) in (0..sheet.numbers.len()).flat_map(|p| sheet.next(p).map(move |next| (p, next))) {
+        for c in 0..3 {
+            let products = [[0, 1], [1, 0]].map(|[here, there]| {
+                let weight = (weights[here][p][c] * weights[there][next][c]).sqrt();
+                let (value, beside) = (halves[here][p][c], halves[there][next][c]);
+                light += weight * value * beside;
+                weight * (f64::from(sheet.target[p][c]) - value) * (f64::from(sheet.target[next][c]) - beside)
+            });
+            // Both hold the noise of the picture.
+            let product = products[0] + products[1];
+            common += product;
+            squares += product * product;
+        }
     }
     if common > SURE * squares.sqrt() && light > 0.0 { (common / light).sqrt() } else { 0.0 }
 }

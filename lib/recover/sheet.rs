@@ -3,6 +3,7 @@
 use super::Evidence;
 use super::dead::black;
 use crate::metric::EPSILON;
+use crate::render::Film;
 use crate::transport::Basis;
 use rayon::prelude::*;
 use std::f64::consts::PI;
@@ -79,6 +80,14 @@ impl<'a> Sheet<'a> {
     /// So far apart pixels hold hardly any of the same light, and so of the same noise.
     pub fn spacing(&self) -> usize {
         self.evidence.film.filter.spacing()
+    }
+
+    /// The pixels to the right of one and below it that share no light with it, as near as such are, if they are in the sheet.
+    pub fn next(&self, i: usize) -> impl Iterator<Item = usize> {
+        let ((x, y), apart) = (self.place(self.numbers[i]), self.spacing());
+        let &Film { width, height, .. } = self.evidence.film;
+        let inside = [(x + apart, y), (x, y + apart)].into_iter().filter(move |(x, y)| *x < width && *y < height);
+        inside.map(move |(x, y)| self.places[y * width + x]).filter(|place| *place != u32::MAX).map(|place| place as usize)
     }
 
     /// How bright the brightest is of a pixel and those beside it in the photograph: the sum of its channels.

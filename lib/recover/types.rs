@@ -150,7 +150,8 @@ fn kept(pixels: &[usize], width: usize, about: usize, side: usize) -> Vec<usize>
     pixels.iter().copied().filter(counts).collect()
 }
 
-/// Which of the trials of a sample the picture supports best: of those that none excludes, the simplest, but with two roughnesses if that is tried.
+/// Which of the trials of a sample the picture supports best: of those that none excludes, the simplest, or the nearest where none explains it, but with
+/// two roughnesses if that is tried.
 ///
 /// # Panics
 /// Without any trial.
@@ -164,11 +165,12 @@ pub fn choose(trials: &[Trial], sample: &Sample) -> Verdict {
     let open: Vec<usize> = (0..trials.len()).filter(|&i| distance(i, best) < EXCLUDED || trials[i].same(&trials[best])).collect();
     // Of those that say the same the first counts; then the simplest; then the nearest.
     let first = |i: usize| open.iter().copied().find(|&j| j == i || trials[j].same(&trials[i])).unwrap_or(i);
-    let chosen = open.iter().map(|&i| first(i)).min_by(|&a, &b| {
+    let simplest = open.iter().map(|&i| first(i)).min_by(|&a, &b| {
         let nearer = loss(&trials[a]).total_cmp(&loss(&trials[b]));
         trials[a].free.cmp(&trials[b].free).then(nearer)
     });
-    let chosen = chosen.unwrap_or(best);
+    // Where none explains the picture, the simplest may be the one that explains it least.
+    let chosen = simplest.filter(|_| trials[best].recovery.explained()).unwrap_or_else(|| first(best));
     // START.rad has two roughnesses for a reason.
     let chosen = open.iter().copied().find(|&i| trials[i].kind.strip_suffix('2') == Some(&trials[chosen].kind)).unwrap_or(chosen);
     let rival = |i: usize| {
@@ -323,7 +325,7 @@ mod tests {
         let plastic = || trial("plastic m 0 0 5 .6 .6 .6 .1 .1", 0.010, 0.0);
         let found = |error: f64, loss: f64, areas: f64| {
             let mut plastic = plastic();
-            plastic.recovery.misfit = Misfit { areas, singles: 0.0 };
+            plastic.recovery.misfit = Misfit { areas, ..Misfit::default() };
             verdict(&[plastic, known_to(error, "trans m 0 0 7 .7 .7 .7 .1 .1 .2 .5", loss, 1.0)])
         };
         for loss in [0.0101, 0.0099] {
@@ -350,6 +352,11 @@ mod tests {
         // The fewest numbers suffice.
         let (title, ..) = verdict(&[plastic(), trial("glass m 0 0 3 .9 .9 .9", 0.0101, 1.0)]);
         assert_eq!(title, "type glass (as good: plastic, another reflectance)");
+        // Where none explains the picture, the nearest.
+        let mut astray = plastic();
+        astray.recovery.misfit = Misfit { areas: 0.1, ..Misfit::default() };
+        let (title, ..) = verdict(&[astray, trial("glass m 0 0 3 .9 .9 .9", 0.0101, 1.0)]);
+        assert_eq!(title, "type plastic (as good: glass, another reflectance)");
     }
 
     #[test]
