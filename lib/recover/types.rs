@@ -150,8 +150,8 @@ fn kept(pixels: &[usize], width: usize, about: usize, side: usize) -> Vec<usize>
     pixels.iter().copied().filter(counts).collect()
 }
 
-/// Which of the trials of a sample the picture supports best: of those that none excludes, the simplest, or the nearest where none explains it, but with
-/// two roughnesses if that is tried.
+/// Which of the trials of a sample the picture supports best: of those that none excludes the simplest, of the nearest's kind where none explains it, but
+/// with two roughnesses if that is tried.
 ///
 /// # Panics
 /// Without any trial.
@@ -165,12 +165,13 @@ pub fn choose(trials: &[Trial], sample: &Sample) -> Verdict {
     let open: Vec<usize> = (0..trials.len()).filter(|&i| distance(i, best) < EXCLUDED || trials[i].same(&trials[best])).collect();
     // Of those that say the same the first counts; then the simplest; then the nearest.
     let first = |i: usize| open.iter().copied().find(|&j| j == i || trials[j].same(&trials[i])).unwrap_or(i);
-    let simplest = open.iter().map(|&i| first(i)).min_by(|&a, &b| {
+    // Where none explains the picture, another kind of thing may be simpler, and explain it least.
+    let kin = |i: &usize| trials[best].recovery.explained() || *i == best || trials[best].contains(&trials[*i]);
+    let chosen = open.iter().map(|&i| first(i)).filter(kin).min_by(|&a, &b| {
         let nearer = loss(&trials[a]).total_cmp(&loss(&trials[b]));
         trials[a].free.cmp(&trials[b].free).then(nearer)
     });
-    // Where none explains the picture, the simplest may be the one that explains it least.
-    let chosen = simplest.filter(|_| trials[best].recovery.explained()).unwrap_or_else(|| first(best));
+    let chosen = chosen.unwrap_or(best);
     // START.rad has two roughnesses for a reason.
     let chosen = open.iter().copied().find(|&i| trials[i].kind.strip_suffix('2') == Some(&trials[chosen].kind)).unwrap_or(chosen);
     let rival = |i: usize| {
