@@ -49,7 +49,7 @@ fn told(picture: &Picture) -> f64 {
     picture.header.values("NOISE").last().unwrap().trim().parse().unwrap()
 }
 
-/// The true error of a picture by a much better one, over all pixels, for all show the floor or what stands on it.
+/// The true error of a picture by a much better one, over the pixels that show a surface.
 fn truth(picture: &Picture, better: &Picture, surface: &[bool]) -> f64 {
     let light = |p: &[f32; 3]| bright(Rgb::from(p.map(f64::from)));
     let (mut squares, mut sum, mut count) = (0.0, 0.0, 0.0);

@@ -289,6 +289,9 @@ impl Arguments {
         if matches!(words[..], ["propose" | "tell" | "best", _, ..]) && (self.search.state.is_some() || self.search.log.is_some()) {
             return Err(Error::new(format!("{} keeps the search in the file after it, and no log; leave --state and --log out", words[0])));
         }
+        if matches!(words[..], ["propose" | "tell", _, ..]) && self.search.report.is_some() {
+            return Err(Error::new(format!("{} writes no page: give --report to best, which tells of the search", words[0])));
+        }
         let photo = &self.photo;
         if matches!(words[..], ["propose" | "tell" | "best", ..])
             && (!photo.scene.is_empty() || photo.target.is_some() || self.judge.exec.is_some())

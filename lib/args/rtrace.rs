@@ -131,7 +131,7 @@ pub struct PictureOptions {
     pub aov: Option<Vec<String>>,
 
     /// Instead of light, the fraction of each pixel that is covered by surfaces whose material is ID, seen through panes and in mirrors too
-    #[arg(long, value_name = "ID", conflicts_with_all = ["variance", "aov"])]
+    #[arg(long, value_name = "ID", conflicts_with_all = ["variance", "aov", "xyz"])]
     pub coverage: Option<String>,
 
     /// Red, green and blue (the default)

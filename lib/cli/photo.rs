@@ -8,6 +8,7 @@ use super::remarks::{elsewhere, of_rendering, remarks};
 use super::stream::input;
 use super::{Console, Disk, Outcome, scene};
 use crate::args::anneal::{Arguments, Photo as PhotoOptions, Sharpness};
+use crate::args::rtrace::Light;
 use crate::color::Rgb;
 use crate::error::{Error, Result};
 use crate::expand::{Flat, expand};
@@ -71,17 +72,7 @@ impl<'a> Photo<'a> {
         let light = &arguments.light;
         let mut rules = light.rules(&|file| scene::list(&disk, file))?;
         let reckoning = Reckoning::of(trail(taken.as_ref()));
-        let typed = Typed {
-            bounces: light.ab.is_some() || rules.ambient_bounces == 0,
-            ambient: light.av.is_some(),
-            jitter: light.dj.is_some(),
-            division: light.ds.is_some(),
-            mirrors: light.dr.is_some(),
-            medium: light.me.is_some(),
-            backs: light.bv.is_some(),
-            lobe: light.ward.is_some(),
-            fresnel: light.fresnel_offset.is_some(),
-        };
+        let typed = typed(light, &rules);
         if let Some(reckoning) = &reckoning {
             rules = reckoning.taken_into(rules, typed);
         }
@@ -343,6 +334,21 @@ type Taken = (String, Picture);
 /// What the header of a picture says, line by line.
 fn trail(taken: Option<&Taken>) -> impl Iterator<Item = &str> + Clone {
     taken.into_iter().flat_map(|(_, target)| target.header.lines.iter().map(String::as_str))
+}
+
+/// What was typed of how light is reckoned with.
+fn typed(light: &Light, rules: &Rules) -> Typed {
+    Typed {
+        bounces: light.ab.is_some() || rules.ambient_bounces == 0,
+        ambient: light.av.is_some(),
+        jitter: light.dj.is_some(),
+        division: light.ds.is_some(),
+        mirrors: light.dr.is_some(),
+        medium: light.me.is_some(),
+        backs: light.bv.is_some(),
+        lobe: light.ward.is_some(),
+        fresnel: light.fresnel_offset.is_some(),
+    }
 }
 
 /// The view that was asked for, else the picture's own.

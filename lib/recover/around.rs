@@ -50,13 +50,15 @@ pub fn otherwise_around(
     let looked_at = Looked::new(evidence, LOOKED_AT, |n| !evidence.touches(n, material))?;
     let scene = looked_at.rendered(world, seed);
     let picture = looked_at.photographed(exposures.unwrap_or([1.0; 3]));
-    let (mut said, off) = match common([0, 1, 2].map(|c| factor(&picture, &scene, |light| light[c]))).filter(|_| exposures.is_none()) {
+    let again = looked_at.rendered(world, mix64(seed));
+    let factors = common([0, 1, 2].map(|c| factor(&picture, &scene, |light| light[c])));
+    let (mut said, off) = match factors.filter(|factors| exposures.is_none() && in_all(*factors, &picture, &scene, &again)) {
         Some(factors) => {
             let off = factors.into_iter().map(|factor| (factor - 1.0).abs()).fold(0.0, f64::max);
             (exposed(factors, factor(&picture, &scene, bright)), off)
         }
         None => {
-            let off = displaced(&picture, &scene, &looked_at.rendered(world, mix64(seed)))?;
+            let off = displaced(&picture, &scene, &again)?;
             let said = format!(
                 "around the unknown the picture is not as the scene is there, neighbours together by {:.0} %: the light, the view or what is there may not be those of the photograph",
                 100.0 * off
@@ -132,6 +134,18 @@ fn factor(picture: &[Rgb], scene: &[Rgb], of: impl Fn(Rgb) -> f64) -> Option<f64
 /// The factors of all channels, if each has one and one of them at the least is not 1.
 fn common([red, green, blue]: [Option<f64>; 3]) -> Option<[f64; 3]> {
     Some([red?, green?, blue?]).filter(|factors| factors.iter().any(|factor| (factor - 1.0).abs() > OFF))
+}
+
+/// Whether a channel that has such a factor is off in the mean too, in terms of a rendering of its own: where few samples find a small lamp most pixels
+/// are too dark, and some make up for it.
+fn in_all(factors: [f64; 3], picture: &[Rgb], scene: &[Rgb], again: &[Rgb]) -> bool {
+    (0..3).filter(|c| (factors[*c] - 1.0).abs() > OFF).any(|c| {
+        let lights = picture.iter().zip(scene).zip(again).filter(|(_, again)| again[c] > 0.0);
+        let parts: Vec<f64> = lights.map(|((picture, scene), again)| (picture[c] - scene[c]) / again[c]).collect();
+        let mean = parts.iter().sum::<f64>() / parts.len() as f64;
+        let error = parts.iter().map(|part| (part - mean).powi(2)).sum::<f64>().sqrt() / parts.len() as f64;
+        mean.abs() > SURE * error
+    })
 }
 
 /// That all is brighter or darker by these factors, as by another exposure, or by another white balance if they differ; `all` is that of all light.

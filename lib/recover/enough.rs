@@ -25,13 +25,15 @@ const ALL_LEFT: f64 = 0.8;
 const LESS: f64 = 0.3;
 
 /// How much of a derivative must not be noise for more pixels to be worth more than more samples of those seen. It must also be more than the
-/// rendering's part o of the variance, which falls 1 − c + o times as fast with samples as with pixels. And so many samples of each in each half
-/// say what they can; where those are seen that tell most of a roughness, so many are worth more than other pixels. But once a few samples have said
-/// that the photograph's own noise is most of a variance, and leaves so many times the one that satisfies, other pixels are all that helps: where the
-/// roughness had seemed smaller than it is, a plastic bunny's stayed at .063 ± .006, for .08, and its colours at ± .001 instead of ± .0003.
+/// rendering's part o of the variance, which falls 1 − c + o times as fast with samples as with pixels.
 const CLEAR: f64 = 0.25;
+/// So many samples of each pixel in each half say what they can.
 const DEEP: f64 = 192.0;
+/// Where those are seen that tell most of a roughness, so many are worth more than other pixels.
 const DEEPER: f64 = 400.0;
+/// But once so many samples have said that the photograph's own noise is most of a variance, and leaves `FAR` times the one that satisfies, other pixels
+/// are all that helps: where the roughness had seemed smaller than it is, a plastic bunny's stayed at .063 ± .006, for .08, and its colours at ± .001
+/// instead of ± .0003.
 const FEW: f64 = 96.0;
 const FAR: f64 = 4.0;
 

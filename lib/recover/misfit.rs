@@ -153,14 +153,7 @@ fn areas(sheet: &Sheet, weights: &[Half; 2], halves: &[Half]) -> f64 {
 /// of the next shares no noise.
 fn neighbours(sheet: &Sheet, weights: &[Half; 2], halves: &[Half]) -> f64 {
     let (mut common, mut squares, mut light) = (0.0, 0.0, 0.0);
-    // A small bright light that few samples have found, or that few find here, is no edge.
-    let alike = |p: usize| {
-        let lights = [sheet.target[p].map(f64::from), halves[0][p], halves[1][p]].map(|light| light.iter().sum::<f64>());
-        lights.iter().all(|light| lights.iter().all(|other| *light <= FACTOR * other))
-    };
-    let alike: Vec<bool> = (0..sheet.numbers.len()).map(alike).collect();
-    let pairs = (0..sheet.numbers.len()).flat_map(|p| sheet.next(p).map(move |next| (p, next)));
-    for (p, next) in pairs.filter(|(p, next)| alike[*p] && alike[*next]) {
+    for (p, next) in (0..sheet.numbers.len()).flat_map(|p| sheet.next(p).map(move |next| (p, next))) {
         for c in 0..3 {
             let products = [[0, 1], [1, 0]].map(|[here, there]| {
                 let weight = (weights[here][p][c] * weights[there][next][c]).sqrt();

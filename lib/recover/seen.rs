@@ -190,8 +190,9 @@ pub fn scattered(pixels: &[usize], width: usize) -> Vec<usize> {
     pixels
 }
 
-/// No more pixels are seen, round by round, than a basis of this size holds; and no more at a glance, the same in each.
+/// No more pixels are seen, round by round, than a basis of this size holds.
 const MOST_BYTES: f64 = 1e9;
+/// And no more than these are glanced at, each time the same.
 const GLANCED: usize = 20_000;
 
 /// The side of a square, in pixels.

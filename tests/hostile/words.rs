@@ -79,6 +79,7 @@ pub fn arguments() -> Vec<Case> {
         ("SEE -vtc -vh 361 main.rad", "-vh"),
         ("SEE -vf none.vf main.rad", "none.vf"),
         ("SEE -vf", "-vf"),
+        ("SEE --coverage m -pXYZ main.rad", "-pXYZ"),
         ("SEE -u maybe main.rad", "maybe"),
         ("SEE -o no/such/place main.rad", "no/such/place"),
         ("SEE -o /dev/full main.rad", "/dev/full"),
@@ -148,6 +149,7 @@ pub fn arguments() -> Vec<Case> {
         ("anneal --exec echo~1 --state s --report s main.rad", "s: named for two outputs"),
         ("anneal --exec echo~1 --log s -o s main.rad", "s: named for two outputs"),
         ("anneal propose s main.rad -o s", "s: named for two outputs"),
+        ("anneal propose s main.rad --report s.html", "give --report to best"),
         ("anneal --scene main.rad --target a.hdr --log main.rad start.rad", "main.rad: read here, and would be lost"),
         ("anneal --exec echo~1 -o /dev/full --steps 4 main.rad", "/dev/full"),
     ]
