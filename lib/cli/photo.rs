@@ -113,7 +113,7 @@ impl<'a> Photo<'a> {
         let mirrors = typed.mirrors || !world.lamps().iter().any(|lamp| lamp.relay.is_some());
         let dark = world.lamps().is_empty();
         let typed = Typed { jitter: typed.jitter || dark, division: typed.division || dark, mirrors, ..typed };
-        reckoning.and_then(|reckoning| reckoning.note(&name, typed)).iter().for_each(|note| console.note(note));
+        reckoning.and_then(|reckoning| reckoning.note(&name, &rules, typed)).iter().for_each(|note| console.note(note));
         let photographed = !name.is_empty();
         let mut photo = Self {
             digest: disk.digest(),

@@ -53,9 +53,9 @@ impl Misfit {
 }
 
 /// Which single pixels hold too little light, they and those beside them, or too much: those of which both halves say so, by this factor; and how many
-/// they are at the least, half of all at the most, and the part of all light that they lack, or hold beyond what the model says, at the least, where that is no accident. Of 20 pictures with
-/// highlights that were recovered right, such pixels lacked less than 3 %, or held 4.3 % at the most; of 10 whose sun few samples had found, they lacked
-/// 8 to 32 %, or held 4 to 74 %.
+/// they are at the least, half of all at the most, and the part of all light that they lack, or hold beyond what the model says, at the least, where that
+/// is no accident. Of 20 pictures with highlights that were recovered right, such pixels lacked less than 3 %, or held 4.3 % at the most; of 10 whose sun
+/// few samples had found, they lacked 8 to 32 %, or held 4 to 74 %.
 const FACTOR: f64 = 3.0;
 const SEVERAL: usize = 3;
 const LACKING: f64 = 0.05;

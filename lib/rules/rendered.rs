@@ -239,14 +239,13 @@ impl Reckoning {
         rules
     }
 
-    /// That the picture `name` is taken to be rendered so, where nothing was typed of that; `None` where that says nothing.
-    pub fn note(&self, name: &str, typed: Typed) -> Option<String> {
+    /// That the picture `name` is taken to be rendered so, by `rules` that have it, where nothing was typed of that; `None` where that says nothing.
+    pub fn note(&self, name: &str, rules: &Rules, typed: Typed) -> Option<String> {
         let number = |option: &str, value: f64| format!("{option} {}", Number(value));
         let color = |option: &str, color: Rgb| {
             (color != Rgb::ZERO).then(|| format!("{} {} {}", number(option, color.x), Number(color.y), Number(color.z)))
         };
-        let Rules { light_jitter, light_division, .. } = self.taken_into(Rules::default(), typed);
-        let lamps = |option: String| self.lamps.map(|_| option);
+        let lamp = |option: &str, value: Option<f64>| self.lamps.and(value).map(|value| format!("{option} {}", Number::rounded(value, 3)));
         let said = [
             (typed.bounces, self.limit()),
             (typed.ambient, color("-av", self.ambient)),
@@ -254,8 +253,8 @@ impl Reckoning {
             (typed.mirrors, Some(format!("-dr {}", self.mirrors))),
             (typed.backs, (!self.backs).then(|| "-bv-".into())),
             (typed.lobe, (self.lobe == Ward::Original).then(|| "--ward 1992".into())),
-            (typed.jitter, light_jitter.map(|jitter| number("-dj", jitter))),
-            (typed.division, lamps(number("-ds", light_division))),
+            (typed.jitter, lamp("-dj", rules.light_jitter)),
+            (typed.division, lamp("-ds", Some(rules.light_division))),
         ];
         let options: Vec<String> = said.into_iter().filter_map(|(typed, option)| option.filter(|_| !typed)).collect();
         let note = || format!("{name} was rendered by {} with {}, and so it is here", self.program, options.join(" "));
@@ -393,7 +392,15 @@ mod tests {
         assert_eq!(rules(&["/usr/bin/rtrace a.oct"], [false; 3]), Some((0, Some(0.0), 0.2)));
         assert_eq!(rules(&["rtrace-rs a.rad"], [false; 3]), Some((all, None, division)));
         assert_eq!(rules(&["hdrgen a.jpg"], [false; 3]), None);
-        let note = |line| Reckoning::of([line].into_iter()).and_then(|reckoning| reckoning.note("a.hdr", Typed::default()));
+        let noted = |line, typed: Typed| {
+            let reckoning = Reckoning::of([line].into_iter()).unwrap();
+            reckoning.note("a.hdr", &reckoning.taken_into(Rules { light_jitter: Some(0.9), ..Rules::default() }, typed), typed)
+        };
+        let note = |line| noted(line, Typed::default());
+        // The division is told that is used.
+        let typed = Typed { jitter: true, ..Typed::default() };
+        assert!(!noted("rpict -ab 2 -ds .02 a.oct", typed).unwrap().contains("-ds 0.02"));
+        assert!(note("rpict -ab 2 -ds .02 a.oct").unwrap().contains("-dj 0 -ds 0.0354, and"));
         assert_eq!(note("rpict -ab 2 a.oct").unwrap(), "a.hdr was rendered by rpict with -ab 2 -dr 1 -dj 0 -ds 0.25, and so it is here");
         assert!(note("rpict -ab 2 -av .1 .2 .3 -dj 1 a.oct").unwrap().contains("with -ab 2 -av 0.1 0.2 0.3 -dr 1 -dj 1 "));
         assert!(note("rtrace-rs -me .1 .1 .1 --ward 1992 a.rad").unwrap().contains("with -me 0.1 0.1 0.1 -dr 2 --ward 1992, "));
