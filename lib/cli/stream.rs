@@ -130,10 +130,8 @@ impl Output {
             if std::fs::metadata(path).is_ok_and(|m| !m.is_file() && !m.is_dir()) {
                 continue;
             }
-            let read = |source: &&str| {
-                std::fs::canonicalize(source).is_ok_and(|source| std::fs::canonicalize(path).is_ok_and(|path| path == source))
-            };
-            if sources.iter().any(read) {
+            let there = std::fs::canonicalize(path).ok();
+            if there.is_some() && sources.iter().any(|source| std::fs::canonicalize(source).ok() == there) {
                 return Err(
                     Error::new(format!("{}: read here, and would be lost; give the output a file of its own", path.display())).into()
                 );

@@ -30,9 +30,9 @@ pub struct Around {
     pub off: f64,
 }
 
-/// The part of what things around the unknown are off by that its light is, where they are not so alike: of eight pictures whose map was too coarse or
-/// turned, whose walls were too dark or whose view was off, the colours found were off by a seventh of that on the average, and once by more than
-/// all of it.
+/// The part of what things around the unknown are off by that its light is, where they are not so alike: of eight pictures whose map was too coarse,
+/// turned or measured in a room, whose walls were too dark, whose view was off or whose corners were dim, the colours found were off by a third of that
+/// on the average, and once by more than all of it.
 const SHARED: f64 = 1.0 / 3.0;
 
 /// How things in a world that are known are otherwise in the picture, whose red, green and blue are brighter by `exposures` if those are known: all

@@ -220,6 +220,6 @@ mod tests {
         assert_eq!(told(5, 2.9, [1.0; 2]), 0.0);
         // What most pixels are, single ones are not; nor is any part of nothing told.
         assert_eq!(told(60, 20.0, [1.0; 2]), 0.0);
-        assert_eq!(singles(&[[1.0; 3]; 9].map(|v| v), |_| 3.0, &[vec![[0.0; 3]; 9], vec![[0.0; 3]; 9]]), 0.0);
+        assert_eq!(singles(&[[1.0; 3]; 9], |_| 3.0, &[vec![[0.0; 3]; 9], vec![[0.0; 3]; 9]]), 0.0);
     }
 }
