@@ -24,7 +24,7 @@ impl<'p, 'a> Direct<'p, 'a> {
     /// Over the pixels that show the unknown, or enough of them.
     pub fn new(photo: &'p Photo<'a>, loss: Loss) -> Result<Self> {
         let pixels = photo.evidence().telling_pixels(&photo.unknown, photo.material)?;
-        let sum: f64 = pixels.iter().flat_map(|&number| photo.target.pixels[number]).map(f64::from).sum();
+        let sum: f64 = pixels.iter().flat_map(|&number| photo.shot.target.pixels[number]).map(f64::from).sum();
         let average = sum / (3 * pixels.len()) as f64;
         Ok(Self { photo, pixels, average, loss })
     }
@@ -37,9 +37,9 @@ impl<'p, 'a> Direct<'p, 'a> {
         let world = photo.setting().world(&photo.unknown.reals(values))?;
         let rendering = photo.evidence().rendered(&world, &self.pixels, seed);
         let each = rendering.pixels.iter().zip(&self.pixels).flat_map(|(pixel, &number)| {
-            let (target, seen) = (photo.target.pixels[number], exposure * pixel.mean());
+            let (target, seen) = (photo.shot.target.pixels[number], exposure * pixel.mean());
             let variance = exposure * exposure * pixel.variance().0;
-            let weight = photo.mask.as_ref().map_or(1.0, |mask| mask[number] as f64);
+            let weight = photo.shot.mask.as_ref().map_or(1.0, |mask| mask[number] as f64);
             std::array::from_fn::<f64, 3, _>(|c| of(weight, target[c] as f64, seen[c], variance[c]))
         });
         Ok(each.collect())

@@ -1,0 +1,84 @@
+//! What a renderer left out or guessed of the light in its picture.
+
+use super::{Command, PROGRAMS};
+use crate::rules::UNWEIGHTED;
+
+/// What the last of RADIANCE's renderers in a picture's header changed of the light of a scene with so many lamps: a sentence each. Of rough reflection
+/// only if something rough is sought, whose specularity may be as small as `least`. By how much, `rpict` told: of a metal ball in light from everywhere,
+/// `-st 0 -ab 1` with `-ss 1` and `-ss 8`; of a floor in a room, `-ab 2 -ad 1024` with `-aa .1` and `-aa 0`; of a shade with one lamp in it and three
+/// beside, `-dt .05` and `-dt 0`.
+pub fn shortcuts<'a>(lines: impl IntoIterator<Item = &'a str>, least: Option<f64>, lamps: usize) -> Vec<String> {
+    let Some(command) = Command::last(lines, &["rpict", "rtrace"]) else { return vec![] };
+    let mut found = Vec::new();
+    let mut say = |option: String, harm: &str, remedy: &str| {
+        found.push(format!("the target was rendered by {} with {option}: {harm}; render it with {remedy}", command.program()));
+    };
+    if let Some(least) = least {
+        let ((threshold, st), (sampling, ss)) = (command.option("-st"), command.option("-ss"));
+        if threshold > least {
+            say(st, "a specularity up to that mirrors nothing but lamps there, and comes out too small", "-st 0");
+        }
+        if sampling == 0.0 {
+            say(ss, "rough surfaces reflect like mirrors there", "-ss 2");
+        } else if sampling <= UNWEIGHTED {
+            say(ss, "rough surfaces reflect too much there, 3 % at a roughness of .1 and 8 % at .2", "-ss 2");
+        }
+    }
+    let (accuracy, aa) = command.option("-aa");
+    if accuracy > 0.0 && command.given("-ab").is_some_and(|bounces| bounces > 0.0) {
+        say(aa, "light that bounces is interpolated there, up to 1 % off by .1", "-aa 0");
+    }
+    if let Some(weight) = command.given("-aw").filter(|weight| *weight > 0.0) {
+        say(format!("-aw {weight}"), "what stands for the bounces left out changes there from place to place, and does not here", "-aw 0");
+    }
+    let (tested, dt) = command.option("-dt");
+    if tested > 0.0 && lamps > 1 {
+        say(dt, "shadows of the fainter of several lamps are guessed there, which is up to .8 % of the light", "-dt 0");
+    }
+    found
+}
+
+/// What is to be said of a rendering in which only some surfaces gather indirect light, or that shows irradiance; of the first if it was not `typed`
+/// which those are.
+pub fn otherwise<'a>(lines: impl IntoIterator<Item = &'a str>, typed: bool) -> Option<String> {
+    let command = Command::last(lines, &PROGRAMS)?;
+    let given = |names: &[&'static str]| names.iter().copied().find(|name| command.after(name).is_some());
+    let (what, harm, remedy) = if let Some(option) = given(&["-i", "-i+"]) {
+        (option, "it shows irradiance, not what surfaces reflect", "render it without")
+    } else {
+        let option = given(&["-ae", "-aE", "-ai", "-aI"]).filter(|_| !typed)?;
+        (option, "only some surfaces gather indirect light there", "give the same option here")
+    };
+    Some(format!("the target was rendered by {} with {what}: {harm}; {remedy}", command.program()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shortcuts_of_renderings_are_read_off_their_headers() {
+        let said = |lines: &[&str], least, lamps| shortcuts(lines.iter().copied(), Some(least), lamps);
+        assert!(said(&["rpict -st 0 -ss 8 -vf a.vf a.oct", "pfilt -x /2"], 0.0, 1).is_empty());
+        assert!(said(&["rpict -st 0 -ss 8 -ab 1 -aa 0 -dt 0 a.oct"], 0.0, 2).is_empty());
+        assert!(said(&["rtrace-rs -ab 2", "SOFTWARE= RADIANCE rtrace, -st .15"], 0.0, 2).is_empty());
+        let defaults = said(&["/usr/bin/rpict -ab 1 -vf a.vf a.oct", "\tpfilt -x /2"], 0.0, 2);
+        assert_eq!(defaults.len(), 4);
+        for (said, option) in defaults.iter().zip(["-st 0.15", "-ss 1", "-aa 0.2", "-dt 0.05"]) {
+            assert!(said.starts_with(&format!("the target was rendered by rpict with {option}, its default: ")), "{said}");
+        }
+        let [only] = &said(&["rtrace -st .3 -ss 0 -st .1 a.oct"], 0.2, 1)[..] else { panic!() };
+        assert_eq!(only, "the target was rendered by rtrace with -ss 0: rough surfaces reflect like mirrors there; render it with -ss 2");
+        assert!(shortcuts(["rpict -ab 1 -aa 0 -dt 0 -av .1 .1 .1 -aw 16 a.oct"], None, 1)[0].contains("with -aw 16: "));
+        // Where nothing rough is sought, nothing is said of it.
+        assert!(shortcuts(["rpict a.oct"], None, 1).is_empty());
+    }
+
+    #[test]
+    fn pictures_of_something_else_than_radiance_are_told() {
+        let said = |line: &'static str, typed| otherwise([line], typed).unwrap_or_default();
+        assert!(said("rpict -ae floor a.oct", false).contains("rpict with -ae: only some surfaces"));
+        assert!(said("rtrace-rs -i a.rad", true).contains("rtrace-rs with -i: it shows irradiance"));
+        assert!(said("rpict -ae floor a.oct", true).is_empty() && said("rpict -ab 1 a.oct", false).is_empty());
+    }
+}
