@@ -180,9 +180,11 @@ impl Rendering {
         self.pixels.iter().map(|p| p.samples() as f64).sum::<f64>() / self.pixels.len().max(1) as f64
     }
 
-    /// The estimated variance of a pixel's mean, of each channel: as its groups show it, reduced to what the picture's error is.
+    /// The estimated variance of a pixel's mean, of each channel: as its groups show it, reduced to what the picture's error is; of one with too few
+    /// samples for that, as its two sets do. Infinite where there are fewer than two.
     pub fn variance(&self, pixel: &Pixel) -> Rgb {
-        pixel.spread().0 * self.noise.factor
+        let (spread, luminance) = pixel.spread();
+        if luminance.is_finite() { spread * self.noise.factor } else { pixel.variance().0 }
     }
 }
 

@@ -70,23 +70,28 @@ pub(super) struct Noise {
 /// The error of a picture, from the distance between the two independent sets of each pixel.
 pub(super) fn noise(pixels: &[Pixel]) -> Noise {
     const { assert!(SETS == 2) };
-    // Sums of the variance, of the spread and its square, of the light of what shows a surface, its count, and that of pixels whose variance one
-    // sample cannot tell, with that of samples elsewhere; always in the same order.
+    // Sums of the variance, of what it is about and the square of that, and of the variance and the spread where both are known; the count of pixels
+    // whose variance one sample cannot tell, with the sum of that of samples elsewhere; the sum of the light of what shows a surface, and its count;
+    // always in the same order.
     let sums = pixels.par_chunks(4096).map(|pixels| {
-        let mut sums = [0.0; 7];
+        let mut sums = [0.0; 9];
         for pixel in pixels.iter().filter(|p| p.surface && p.samples() > 0) {
             let (variance, spread) = (pixel.variance().1, pixel.spread().1);
-            let told = match variance == f64::INFINITY {
-                false => [variance, spread, spread * spread, 0.0, variance * pixel.samples() as f64],
-                true => [0.0, 0.0, 0.0, 1.0, 0.0],
+            let each = variance * pixel.samples() as f64;
+            let told = match (variance.is_finite(), spread.is_finite()) {
+                (true, true) => [variance, spread, spread * spread, variance, spread, 0.0, each],
+                // The square of a squared normal number is three times that of its mean.
+                (true, false) => [variance, variance, variance * variance / 3.0, 0.0, 0.0, 0.0, each],
+                (false, _) => [0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0],
             };
             let terms = told.into_iter().chain([bright(pixel.mean()), 1.0]);
             sums.iter_mut().zip(terms).for_each(|(sum, term)| *sum += term);
         }
         sums
     });
-    let sums: Vec<[f64; 7]> = sums.collect();
-    let [told, spread, squared, untold, each, light, shown] = std::array::from_fn(|i| sums.iter().map(|sums| sums[i]).sum::<f64>());
+    let sums: Vec<[f64; 9]> = sums.collect();
+    let [told, about, squared, paired, spread, untold, each, light, shown] =
+        std::array::from_fn(|i| sums.iter().map(|sums| sums[i]).sum::<f64>());
     // Where time ended before a pixel's second sample, take the one it has to vary as those of other pixels do.
     let variance = if untold > 0.0 { told + untold * each / (shown - untold) } else { told };
     // Pixels that there was no time for may show anything, and nothing is known of how single samples vary.
@@ -97,8 +102,8 @@ pub(super) fn noise(pixels: &[Pixel]) -> Noise {
         return Noise { error: 0.0, doubt: 0.0, factor: 1.0 };
     }
     // The variance of a squared normal number is twice its mean squared, and the true error varies as much; a root halves deviations.
-    let doubt = squared.sqrt() / spread;
-    let factor = variance / spread;
+    let doubt = squared.sqrt() / about;
+    let factor = paired / spread;
     Noise { error: (variance / shown).sqrt() / (light / shown).abs(), doubt, factor: if factor.is_finite() { factor } else { 1.0 } }
 }
 
@@ -122,20 +127,45 @@ mod tests {
     use super::*;
     use crate::color::Rgb;
 
+    /// A pixel of samples uniform in [0, 1), whose mean is 1/2 and whose variance 1/12.
+    fn uniform(number: u64, samples: u64) -> Pixel {
+        let mut pixel = Pixel::default();
+        pixel.surface = true;
+        let value = |i| Rgb::splat(mix64(number << 32 | i) as f64 / 2f64.powi(64));
+        (0..samples).for_each(|i| pixel.add(i as usize % SETS, value(i)));
+        pixel
+    }
+
+    /// 8000 of them, of so many samples each.
+    fn pixels(samples: &dyn Fn(u64) -> u64) -> Vec<Pixel> {
+        (0..8000).map(|number| uniform(number, samples(number))).collect()
+    }
+
     #[test]
     fn the_error_is_known_where_time_ended_before_the_second_sample_of_some_pixels() {
-        // A number uniform in [0, 1) has the mean 1/2 and the variance 1/12.
-        let pixel = |number: u64, samples: u64| {
-            let mut pixel = Pixel::default();
-            pixel.surface = true;
-            let value = |i| Rgb::splat(mix64(number << 32 | i) as f64 / 2f64.powi(64));
-            (0..samples).for_each(|i| pixel.add(i as usize % SETS, value(i)));
-            pixel
-        };
-        let error = |samples: &dyn Fn(u64) -> u64| noise(&(0..8000).map(|number| pixel(number, samples(number))).collect::<Vec<_>>()).error;
+        let error = |samples: &dyn Fn(u64) -> u64| noise(&pixels(samples)).error;
         let truth = ((0.75 / 16.0 + 0.25) / 12.0f64).sqrt() / 0.5;
         let found = error(&|number| if number % 4 == 0 { 1 } else { 16 });
         assert!((found / truth - 1.0).abs() < 0.05, "{found} {truth}");
         assert_eq!(error(&|_| 1), f64::INFINITY);
+    }
+
+    #[test]
+    fn pixels_of_few_samples_have_the_variance_of_those_and_others_theirs() {
+        for few in [2, 3] {
+            let rendering = Rendering::of(pixels(&|number| if number % 4 == 0 { u64::from(few) } else { 16 }));
+            let mean = |count: u32| {
+                let variances = rendering.pixels.iter().filter(|pixel| pixel.samples() == count).map(|pixel| rendering.variance(pixel).x);
+                variances.clone().sum::<f64>() / variances.count() as f64
+            };
+            // Two sets of one sample and of two weigh alike.
+            let truth = |count: u32| if count == 3 { 1.5 / 4.0 / 12.0 } else { 1.0 / (12.0 * f64::from(count)) };
+            for count in [few, 16] {
+                assert!((mean(count) / truth(count) - 1.0).abs() < 0.1, "{count}: {} for {}", mean(count), truth(count));
+            }
+            // The sum of 2000 squares of normal numbers is known to a relative √(2/2000).
+            assert!(rendering.noise.doubt > 0.005 && rendering.noise.doubt < 0.05, "{:?}", rendering.noise);
+        }
+        assert!(noise(&pixels(&|_| 2)).doubt < 0.05);
     }
 }
