@@ -273,17 +273,19 @@ impl Bsdf {
     /// f·|cos θ| toward the viewer for light arriving from the local direction `wi`, in 1/sr per channel: the sum over the parts, each times its weight.
     pub fn value(&self, wi: Vec3, arriving: Arriving, weights: &[f64; 4], rules: &Rules) -> Rgb {
         let side = (wi.z < 0.0) as usize;
-        let (diffuse, specular) = (weights[side], weights[2 + side]);
+        let diffuse = weights[side];
         let lambert = wi.z.abs() / PI;
-        let lobe = self.lobes[side].as_ref().filter(|_| specular != 0.0);
+        let lobe = |side: usize| self.lobes[side].as_ref().filter(|_| weights[2 + side] != 0.0);
         match arriving {
             Arriving::Lamp(omega) => {
+                let specular = weights[2 + side];
                 let loss = match self.loss {
                     Loss::None => 1.0,
                     Loss::Polished => 1.0 - fresnel(wi.z.abs(), rules.fresnel_offset),
                     Loss::Schlick => 1.0 - schlick(wi.z.abs()),
                 };
-                let mut highlight = lobe.map_or(Rgb::ZERO, |lobe| lobe.color * (specular * self.highlight(lobe, side, wi, omega, rules)));
+                let mut highlight =
+                    lobe(side).map_or(Rgb::ZERO, |lobe| lobe.color * (specular * self.highlight(lobe, side, wi, omega, rules)));
                 if let Some((functions, seen)) = self.functions.as_deref() {
                     let value = functions.source(seen, self.to_world(wi), omega);
                     if bright(value) > TINY {
@@ -292,17 +294,17 @@ impl Bsdf {
                 }
                 self.diffuse[side] * (lambert * loss * diffuse) + highlight
             }
-            Arriving::Indirect if !self.passes(wi) => Rgb::ZERO,
             Arriving::Indirect => {
-                let gathered = lobe.filter(|l| l.gathers && l.form == LobeForm::Gaussian).map_or(Rgb::ZERO, |lobe| {
-                    let value = if side == 0 {
-                        reflection(rules.lobe, lobe.alpha, self.to_viewer, wi) * self.tilt(wi)
-                    } else {
-                        self.through_pdf(lobe, wi)
-                    };
-                    lobe.color * (specular * value)
-                });
-                self.ambient[side] * (lambert * diffuse / self.kept) + gathered
+                let gathers =
+                    |part: Part| lobe(part.side()).filter(|l| l.gathers && l.form == LobeForm::Gaussian).filter(|_| self.admits(part, wi));
+                let mut light = if self.passes(wi) { self.ambient[side] * (lambert * diffuse / self.kept) } else { Rgb::ZERO };
+                if let Some(lobe) = gathers(Part::SpecularReflection) {
+                    light += lobe.color * (weights[2] * reflection(rules.lobe, lobe.alpha, self.to_viewer, wi) * self.tilt(wi));
+                }
+                if let Some(lobe) = gathers(Part::SpecularTransmission) {
+                    light += lobe.color * (weights[3] * self.through_pdf(lobe, wi));
+                }
+                light
             }
         }
     }
@@ -311,8 +313,7 @@ impl Bsdf {
     /// of each part might have found the light too (Veach 1997, equation 9.8): none where the direction does not pass. Indirect light is
     /// weighed for the parts that have such samples only.
     pub fn balance(&self, wi: Vec3, arriving: Arriving, pdf: f64, counts: &[f64; 4]) -> [f64; 4] {
-        let passes = self.passes(wi);
-        std::array::from_fn(|k| match if passes { counts[k] } else { 0.0 } {
+        std::array::from_fn(|k| match if self.admits(Part::ALL[k], wi) { counts[k] } else { 0.0 } {
             0.0 if arriving == Arriving::Indirect => 0.0,
             0.0 => 1.0 / pdf,
             count => 1.0 / (pdf + count * self.pdf(Part::ALL[k], wi)),
@@ -378,6 +379,15 @@ impl Bsdf {
         (wi.dot(self.geometric) > TINY) == (wi.z > 0.0) && wi.z != 0.0
     }
 
+    /// Whether indirect light from a local direction goes into a part: into the lobe of what is seen through a surface on the other side of the
+    /// surface itself, however bent its normal is (as in RADIANCE), into any other on one side of both.
+    pub fn admits(&self, part: Part, wi: Vec3) -> bool {
+        if part == Part::SpecularTransmission {
+            return wi.dot(self.geometric) < -TINY;
+        }
+        self.passes(wi) && (wi.z < 0.0) as usize == part.side()
+    }
+
     fn through_pdf(&self, lobe: &Lobe, wi: Vec3) -> f64 {
         transmission_pdf(lobe.alpha, self.straight, wi)
     }
@@ -405,13 +415,13 @@ impl Bsdf {
             },
             Part::SpecularTransmission => sample_transmission(self.lobes[1]?.alpha, self.straight, u),
         };
-        (self.passes(wi) && (wi.z < 0.0) as usize == part.side()).then_some(wi)
+        self.admits(part, wi).then_some(wi)
     }
 
     /// The density per solid angle with which [`Bsdf::sample`] draws `wi` from `part`, before rejection; a lobe of ashik2, which is only sampled
     /// by [`Bsdf::unweighted`], has none.
     pub fn pdf(&self, part: Part, wi: Vec3) -> f64 {
-        if (wi.z < 0.0) as usize != part.side() {
+        if part != Part::SpecularTransmission && (wi.z < 0.0) as usize != part.side() {
             return 0.0;
         }
         match part {

@@ -151,10 +151,12 @@ impl Basis {
         let rows = self.values.par_chunks_mut(width).zip(&mut self.variances).zip(&mut self.samples);
         rows.zip(other.values.par_chunks(width)).zip(&other.variances).zip(&other.samples).for_each(
             |(((((values, variance), samples), others), other_variance), other_samples)| {
-                let taken = other_samples / (*samples + other_samples).max(1.0);
-                let mix = |mine: &mut f32, other: &f32| *mine += taken * (other - *mine);
-                values.iter_mut().zip(others).for_each(|(mine, other)| mix(mine, other));
-                variance.iter_mut().zip(other_variance).for_each(|(mine, other)| mix(mine, other));
+                let part = |mine: f32, other: f32| other / (mine + other).max(1.0);
+                // One sample tells no variance.
+                let degrees = |samples: f32| (samples - 1.0).max(0.0);
+                let (taken, told) = (part(*samples, *other_samples), part(degrees(*samples), degrees(*other_samples)));
+                values.iter_mut().zip(others).for_each(|(mine, other)| *mine += taken * (other - *mine));
+                variance.iter_mut().zip(other_variance).for_each(|(mine, other)| *mine += told * (other - *mine));
                 *samples += other_samples;
             },
         );

@@ -117,6 +117,16 @@ fn a_rough_lobe_reflects_the_integral_of_its_formula() {
 }
 
 #[test]
+fn what_is_seen_through_rough_trans_is_not_lost_by_its_texture() {
+    // `rtrace -ab 0 -st 0` of RADIANCE 6.0a has 1 too: a bent normal may look away from what is behind the surface.
+    let texture = "void texfunc bump 4 .066 0 -.148 . 0 0\nbump trans m 0 0 7 1 1 1 0 .1 1 1\n";
+    let scene = format!("{ENVIRONMENT}{texture}m ring r 0 0 8 0 0 0 0 0 1 0 10\n");
+    for found in answers(&scene, &["-ab", "0", "--error", "1e-3"], &(ray(0.0, 0.0, -80.0) + &ray(0.0, 0.0, 80.0) + &ray(0.0, 0.0, 30.0))) {
+        assert!((found[0] - 1.0).abs() < 3e-3, "{found:?}");
+    }
+}
+
+#[test]
 fn a_uniform_environment_costs_no_variance() {
     // What is Lambertian, polished or clear is exact from the first sample on.
     for material in

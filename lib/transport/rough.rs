@@ -301,18 +301,17 @@ impl<'a, const L: usize> Transport for Tagging<'a, L> {
             Surface::Known(bsdf) => self.known(beta, bsdf, wi, arriving, &bsdf.balance(wi, arriving, pdf, counts)),
             Surface::Unknown { shape, .. } => {
                 let mut next = Beta { terms: [None; 2] };
-                if arriving == Arriving::Indirect && !shape.passes(wi) {
-                    return next;
-                }
-                let side = (wi.z < 0.0) as usize;
-                let parts = [Part::ALL[side], Part::ALL[2 + side]];
-                // A path is a single term, the first, until it is aimed at a light.
-                let asked = parts.into_iter().filter(|part| counts[*part as usize] > 0.0 || arriving != Arriving::Indirect);
+                let asked = |part: &Part| match arriving {
+                    Arriving::Indirect => counts[*part as usize] > 0.0 && shape.admits(*part, wi),
+                    Arriving::Lamp(_) => (wi.z < 0.0) as usize == part.side(),
+                };
+                // A path is a single term, the first, until it is aimed at a light: no direction goes into more than two parts.
+                let asked = Part::ALL.into_iter().filter(asked);
                 for (slot, part) in next.terms.iter_mut().zip(asked) {
                     let count = counts[part as usize];
                     let (values, density) = self.shape(shape, part, wi, arriving);
                     // What does not pass is not drawn.
-                    let drawn = if shape.passes(wi) { count * density } else { 0.0 };
+                    let drawn = if shape.admits(part, wi) { count * density } else { 0.0 };
                     let scale = (1.0 / (pdf + drawn)) as f32;
                     *slot = self.met(beta, surface, part, |l| values[l] * scale);
                 }
@@ -451,7 +450,7 @@ impl<const L: usize> Scattering for Surface<'_, L> {
                 } else {
                     lobe::sample_transmission(proposal, shape.straight(), u)
                 };
-                (shape.passes(wi) && (wi.z < 0.0) as usize == part.side()).then_some(wi)
+                shape.admits(part, wi).then_some(wi)
             }
             _ => self.bsdf().sample(part, u),
         }

@@ -169,8 +169,7 @@ impl<T: Densities> Transport for Plain<'_, T> {
             0.0 if arriving == Arriving::Indirect => 0.0,
             count => 1.0 / (pdf + if count > 0.0 { count * self.guide.density(&surface.guide, Part::ALL[k], wi) } else { 0.0 }),
         });
-        let passes = arriving != Arriving::Indirect || surface.own.passes(wi);
-        let value = if passes { surface.own.value(wi, arriving, &weights, self.rules) } else { Rgb::ZERO };
+        let value = surface.own.value(wi, arriving, &weights, self.rules);
         let (value, met) = self.met(beta, surface, value);
         (self.guide.aimed(&beta.0, &surface.guide, wi, arriving, pdf, counts), value, met)
     }
