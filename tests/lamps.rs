@@ -38,6 +38,8 @@ fn that_is_said() {
     );
     // A doubt stands in the answer's file too.
     for said in remarks("-ab 2 -dj 0") {
-        assert!(said.contains("warning: the target was rendered by rtrace-rs with -ab 1, and here light bounces otherwise: leave -ab out"));
+        assert!(said.contains(
+            "warning: the target was rendered by rtrace-rs with -ab 1, and here light is reckoned with otherwise: leave -ab out"
+        ));
     }
 }

@@ -75,10 +75,18 @@ impl<'a> Command<'a> {
         radiances(name)[(self.program() == "rpict") as usize]
     }
 
-    /// The number that an option has, and the words for it.
-    fn option(&self, name: &str) -> (f64, String) {
-        let (given, default) = (self.given(name), self.default(name));
-        (given.unwrap_or(default), format!("{name} {}", given.map_or(format!("{default}, its default"), |value| value.to_string())))
+    /// Whether it is this project's, which leaves nothing out that it is not asked to.
+    fn is_ours(&self) -> bool {
+        self.program() == "rtrace-rs"
+    }
+
+    /// The number that an option has, and the words for it; `None` if it has none.
+    fn option(&self, name: &str) -> Option<(f64, String)> {
+        match self.given(name) {
+            Some(value) => Some((value, format!("{name} {value}"))),
+            None if self.is_ours() => None,
+            None => Some((self.default(name), format!("{name} {}, its default", self.default(name)))),
+        }
     }
 }
 

@@ -61,7 +61,7 @@ impl Shot {
             None => (String::new(), Picture::new(film.width, film.height, Header::default())?),
         };
         let mut said = remarks(&name, &target, &film);
-        said.extend(reckoning.as_ref().and_then(|reckoning| reckoning.bounces_otherwise(&rules)));
+        said.extend(reckoning.as_ref().and_then(|reckoning| reckoning.otherwise(&rules)));
         let steps = target.steps();
         let target = target.into_radiance();
         let mask = photo.mask.as_deref().map(read).transpose()?;

@@ -57,7 +57,7 @@ impl Reckoning {
     pub fn of<'a>(lines: impl Iterator<Item = &'a str> + Clone) -> Option<Self> {
         let command = Command::last(lines.clone(), &PROGRAMS)?;
         let default = Rules::default();
-        let ours = command.program() == "rtrace-rs";
+        let ours = command.is_ours();
         let (jitter, division, bounces, mirrors) = if ours {
             (None, default.light_division, default.ambient_bounces, default.mirror_levels)
         } else {
@@ -65,11 +65,12 @@ impl Reckoning {
             (Some(command.default("-dj")), command.default("-ds"), count("-ab"), count("-dr"))
         };
         let count = |name: &str, other: u32| command.given(name).map_or(other, |count| count.max(0.0) as u32);
+        let bounces = if command.given("-ad") == Some(0.0) { 0 } else { count("-ab", bounces) };
         let jitter = command.given("-dj").filter(|dj| (0.0..=1.0).contains(dj)).or(jitter);
         let division = command.given("-ds").filter(|ds| *ds >= 0.0).unwrap_or(division);
         Some(Self {
             program: command.program().into(),
-            bounces: count("-ab", bounces),
+            bounces,
             ambient: command.color("-av").unwrap_or(default.ambient_value),
             lamps: jitter.map(|jitter| [jitter, division]),
             mirrors: count("-dr", mirrors),
@@ -136,11 +137,26 @@ impl Reckoning {
         (!options.is_empty()).then(note)
     }
 
-    /// What is to be said if light bounces more often, or less often, by these rules.
-    pub fn bounces_otherwise(&self, rules: &Rules) -> Option<String> {
-        let said = self.limit().unwrap_or_else(|| "all bounces".into());
-        let remark = || format!("the target was rendered by {} with {said}, and here light bounces otherwise: leave -ab out", self.program);
-        (rules.ambient_bounces != self.bounces).then(remark)
+    /// What is to be said if light is reckoned with otherwise by these rules, in what a picture's brightness depends on.
+    pub fn otherwise(&self, rules: &Rules) -> Option<String> {
+        let color = |option: &str, color: Rgb| format!("{option} {} {} {}", Number(color.x), Number(color.y), Number(color.z));
+        let lobe = || if self.lobe == Ward::Original { "--ward 1992" } else { "RADIANCE's lobe" }.to_string();
+        let all = [
+            ("-ab", self.limit().unwrap_or_else(|| "all bounces".into()), rules.ambient_bounces != self.bounces),
+            ("-av", color("-av", self.ambient), rules.ambient_value != self.ambient),
+            ("-me", color("-me", self.medium), rules.extinction != self.medium),
+            ("--ward", lobe(), rules.lobe != self.lobe),
+        ];
+        let (options, said): (Vec<&str>, Vec<String>) =
+            all.into_iter().filter_map(|(option, said, differs)| differs.then_some((option, said))).unzip();
+        let remark = || {
+            let (said, options) = (said.join(", "), options.join(", "));
+            format!(
+                "the target was rendered by {} with {said}, and here light is reckoned with otherwise: leave {options} out",
+                self.program
+            )
+        };
+        (!said.is_empty()).then(remark)
     }
 
     /// How often light bounces; `None` if that is not limited.
@@ -185,6 +201,7 @@ mod tests {
         assert_eq!(rules(&["rpict -ab 2 -dj .7 a.oct"], [false, true, false]), Some((2, None, 0.25)));
         assert_eq!(rules(&["/usr/bin/rtrace a.oct"], [false; 3]), Some((0, Some(0.0), 0.2)));
         assert_eq!(rules(&["rtrace-rs a.rad"], [false; 3]), Some((all, None, division)));
+        assert_eq!(rules(&["rtrace-rs -ab 2 -ad 0 a.rad"], [false; 3]), Some((0, None, division)));
         assert_eq!(rules(&["hdrgen a.jpg"], [false; 3]), None);
         let noted = |line, typed: Typed| {
             let reckoning = Reckoning::of([line].into_iter()).unwrap();
@@ -237,12 +254,15 @@ mod tests {
     fn light_that_bounces_otherwise_is_told() {
         let said = |line: &str, bounces: u32| {
             let rules = Rules { ambient_bounces: bounces, ..Rules::default() };
-            Reckoning::of([line].into_iter()).and_then(|reckoning| reckoning.bounces_otherwise(&rules)).unwrap_or_default()
+            Reckoning::of([line].into_iter()).and_then(|reckoning| reckoning.otherwise(&rules)).unwrap_or_default()
         };
         assert_eq!(said("rpict -ab 2 a.oct", 2), "");
-        assert!(said("rpict -ab 2 a.oct", 3).ends_with("by rpict with -ab 2, and here light bounces otherwise: leave -ab out"));
+        assert!(said("rpict -ab 2 a.oct", 3).ends_with("by rpict with -ab 2, and here light is reckoned with otherwise: leave -ab out"));
         assert!(said("rpict a.oct", 2).contains("with -ab 0, and here"));
         assert!(said("rtrace-rs a.rad", 2).contains("with all bounces, and here"));
+        let other = Rules { ambient_bounces: 2, extinction: Rgb::ONE, lobe: Ward::Original, ..Rules::default() };
+        let said = Reckoning::of(["rpict -ab 2 a.oct"].into_iter()).unwrap().otherwise(&other).unwrap();
+        assert!(said.contains("with -me 0 0 0, RADIANCE's lobe, and here") && said.ends_with("leave -me, --ward out"), "{said}");
     }
 
     #[test]

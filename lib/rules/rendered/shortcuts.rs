@@ -3,36 +3,57 @@
 use super::{Command, PROGRAMS};
 use crate::rules::UNWEIGHTED;
 
-/// What the last of RADIANCE's renderers in a picture's header changed of the light of a scene with so many lamps: a sentence each. Of rough reflection
+/// From this `-lw` on, what ends there is more than a picture's last digits.
+const HEAVY: f64 = 0.01;
+
+/// What the last renderer in a picture's header changed of the light of a scene with so many lamps: a sentence each. Of rough reflection
 /// only if something rough is sought, whose specularity may be as small as `least`. By how much, `rpict` told: of a metal ball in light from everywhere,
 /// `-st 0 -ab 1` with `-ss 1` and `-ss 8`; of a floor in a room, `-ab 2 -ad 1024` with `-aa .1` and `-aa 0`; of a shade with one lamp in it and three
 /// beside, `-dt .05` and `-dt 0`.
 pub fn shortcuts<'a>(lines: impl IntoIterator<Item = &'a str>, least: Option<f64>, lamps: usize) -> Vec<String> {
-    let Some(command) = Command::last(lines, &["rpict", "rtrace"]) else { return vec![] };
+    let Some(command) = Command::last(lines, &PROGRAMS) else { return vec![] };
     let mut found = Vec::new();
     let mut say = |option: String, harm: &str, remedy: &str| {
         found.push(format!("the target was rendered by {} with {option}: {harm}; render it with {remedy}", command.program()));
     };
     if let Some(least) = least {
-        let ((threshold, st), (sampling, ss)) = (command.option("-st"), command.option("-ss"));
-        if threshold > least {
+        if let Some((threshold, st)) = command.option("-st")
+            && threshold > least
+        {
             say(st, "a specularity up to that mirrors nothing but lamps there, and comes out too small", "-st 0");
         }
-        if sampling == 0.0 {
-            say(ss, "rough surfaces reflect like mirrors there", "-ss 2");
-        } else if sampling <= UNWEIGHTED {
-            say(ss, "rough surfaces reflect too much there, 3 % at a roughness of .1 and 8 % at .2", "-ss 2");
+        match command.option("-ss") {
+            Some((0.0, ss)) => say(ss, "rough surfaces reflect like mirrors there", "-ss 2"),
+            Some((sampling, ss)) if sampling <= UNWEIGHTED => {
+                say(ss, "rough surfaces reflect too much there, 3 % at a roughness of .1 and 8 % at .2", "-ss 2");
+            }
+            _ => {}
         }
     }
-    let (accuracy, aa) = command.option("-aa");
-    if accuracy > 0.0 && command.given("-ab").is_some_and(|bounces| bounces > 0.0) {
+    // Below zero, chance ends rays without loss.
+    let cuts = command.option("-lr").is_none_or(|(reflections, _)| reflections >= 0.0);
+    if let Some((weight, lw)) = command.option("-lw")
+        && cuts
+        && weight >= HEAVY
+    {
+        say(lw, "what is reflected more weakly than that is left out there", "-lw 1e-4");
+    }
+    if command.is_ours() {
+        return found;
+    }
+    if let Some((accuracy, aa)) = command.option("-aa")
+        && accuracy > 0.0
+        && command.given("-ab").is_some_and(|bounces| bounces > 0.0)
+    {
         say(aa, "light that bounces is interpolated there, up to 1 % off by .1", "-aa 0");
     }
     if let Some(weight) = command.given("-aw").filter(|weight| *weight > 0.0) {
         say(format!("-aw {weight}"), "what stands for the bounces left out changes there from place to place, and does not here", "-aw 0");
     }
-    let (tested, dt) = command.option("-dt");
-    if tested > 0.0 && lamps > 1 {
+    if let Some((tested, dt)) = command.option("-dt")
+        && tested > 0.0
+        && lamps > 1
+    {
         say(dt, "shadows of the fainter of several lamps are guessed there, which is up to .8 % of the light", "-dt 0");
     }
     found
@@ -70,6 +91,12 @@ mod tests {
         let [only] = &said(&["rtrace -st .3 -ss 0 -st .1 a.oct"], 0.2, 1)[..] else { panic!() };
         assert_eq!(only, "the target was rendered by rtrace with -ss 0: rough surfaces reflect like mirrors there; render it with -ss 2");
         assert!(shortcuts(["rpict -ab 1 -aa 0 -dt 0 -av .1 .1 .1 -aw 16 a.oct"], None, 1)[0].contains("with -aw 16: "));
+        assert!(said(&["rtrace-rs -ab 2 -aa .2 -dt .05 -aw 16 a.rad"], 0.0, 2).is_empty());
+        for (option, harm) in [("-ss 1", "too much"), ("-st 0.15", "too small"), ("-lw 0.5", "left out"), ("-lr 4 -lw 0.5", "left out")] {
+            let [only] = &said(&[&format!("rtrace-rs {option} a.rad")], 0.0, 2)[..] else { panic!("{option}") };
+            assert!(only.contains(harm), "{only}");
+        }
+        assert!(said(&["rtrace -aa 0 -dt 0 -st 0 -ss 8 -lw .5 a.oct"], 0.0, 2).is_empty());
         // Where nothing rough is sought, nothing is said of it.
         assert!(shortcuts(["rpict a.oct"], None, 1).is_empty());
     }
