@@ -18,6 +18,7 @@ use crate::picture::png::Tone;
 use crate::rad::Number;
 use crate::recover::answer::six;
 use crate::recover::model::{Kind, parts};
+use crate::recover::words::combination;
 use chart::{class, matrix, place};
 use course::{Course, best};
 use serde::{Deserialize, Serialize};
@@ -160,7 +161,7 @@ impl Report<'_> {
         }
         out += "</tbody>\n</table>\n<p class=\"note\">A dot is the value, the bar through it one standard error to each side, the triangle where the search began.";
         if self.own.is_some() {
-            out += " “From our noise” is the part of the variance that the rendering makes, and more samples would remove; the rest is in the photograph.";
+            out += " “From our noise” is the part of the variance that the rendering makes, and more samples would remove; the rest is the photograph's noise and what errors are held for.";
         }
         out + "</p>\n</section>\n"
     }
@@ -232,8 +233,15 @@ impl Report<'_> {
             (0..r.size()).flat_map(|i| (0..i).map(move |j| (i, j))).filter(|&(i, j)| r.at(i, j).abs() > STRONG).collect();
         for (i, j) in strong {
             let [a, b] = [i, j].map(|k| escape(&self.parameters[k].name));
-            let what = if r.at(i, j) > 0.0 { "their ratio is known better than either" } else { "their sum is known better than either" };
-            out += &format!("<p><b>{b}</b> and <b>{a}</b> are hardly told apart ({}): {what}.</p>\n", fixed(r.at(i, j), 3));
+            out += &format!("<p><b>{b}</b> and <b>{a}</b> are hardly told apart ({})", fixed(r.at(i, j), 3));
+            if let Some(errors) = self.errors.as_ref() {
+                let two = if errors[i] > errors[j] { [j, i] } else { [i, j] };
+                let [variances, values] = [&errors[..], self.values].map(|of| two.map(|k| of[k]));
+                let covariance = r.at(i, j) * errors[i] * errors[j];
+                let names = two.map(|k| self.parameters[k].name.as_str());
+                out += &format!(": {}", escape(&combination(names, values, variances.map(|error| error * error), covariance)));
+            }
+            out += ".</p>\n";
         }
         out + "</div>\n</div>\n</section>\n"
     }
@@ -295,7 +303,7 @@ fn comparison(views: &Views) -> Result<String> {
     out += &figure(width, height, &heat, "Their difference")?;
     let scale: Vec<[u8; 3]> = (0..129).map(|i| crate::metric::heat::heat(i as f64 / 64.0 - 1.0)).collect();
     out += &format!(
-        "</div>\n<div class=\"scale\"><span>photograph brighter by {0}</span><img src=\"{1}\" alt=\"\"/><span>rendering brighter by {0}</span></div>\n</section>\n",
+        "</div>\n<div class=\"scale\"><span>photograph brighter by {0} W/(sr·m²)</span><img src=\"{1}\" alt=\"\"/><span>rendering brighter by {0}</span></div>\n</section>\n",
         brief(range),
         data_uri(129, 1, &scale)?
     );

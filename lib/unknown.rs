@@ -3,7 +3,7 @@
 mod types;
 mod wishes;
 
-pub use types::{TYPES, retyped};
+pub use types::{GLASS, TYPES, retyped};
 pub use wishes::{Bounds, Wishes, names};
 
 use crate::anneal::Parameter;
@@ -215,7 +215,8 @@ fn choose<'a>(document: &'a Document, wanted: Option<&str>) -> Result<&'a Primit
 }
 
 /// What no material has less than nothing of.
-const NEVER_NEGATIVE: [(&[&str], &str); 3] = [(&ROUGHNESSES, "a roughness"), (&SHARES, "a share of light"), (&COLORS.1, "a colour")];
+const NEVER_NEGATIVE: [(&[&str], &str); 4] =
+    [(&ROUGHNESSES, "a roughness"), (&SHARES, "a share of light"), (&COLORS.1, "a colour"), (&["ior"], "an index of refraction")];
 
 /// The bounds of an argument; `None` if it is known.
 type Bounded = Option<(f64, f64)>;

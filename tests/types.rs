@@ -74,6 +74,13 @@ fn a_pane_of_glass_is_known_by_what_is_behind_it() {
 }
 
 #[test]
+fn a_pane_of_heavy_glass_is_no_trans() {
+    let (comments, file, _) = taken("glass thing 0 0 4 .9 .7 .6 1.8", PANE, "--type auto");
+    assert!(comments.starts_with("# type glass") && file.starts_with("void glass thing\n0\n0\n4 "), "{comments}");
+    near(&reals(&file), &[0.9, 0.7, 0.6, 1.8], 0.02);
+}
+
+#[test]
 fn a_type_that_is_named_is_taken() {
     let (comments, file, _) = taken("metal thing 0 0 5 .8 .6 .3 .6 .1", BALL, "--type metal --fix trans --param spec=:.3:1");
     assert!(comments.starts_with("# chi2 "), "{comments}");
@@ -82,7 +89,7 @@ fn a_type_that_is_named_is_taken() {
 
 #[test]
 fn an_index_of_refraction_is_sought_within_reason() {
-    let done = annealed("glass thing 0 0 3 .9 .7 .6", PANE, "--type dielectric --param ior=1.5:1:1e308");
+    let done = annealed("glass thing 0 0 3 .9 .7 .6", PANE, "--type dielectric --param ior=1.5:1:1e8");
     let said = String::from_utf8(done.stderr).unwrap();
     assert!(done.status.code() == Some(2) && said.contains("is sought up to 10; give it nearer bounds"), "{said}");
 }

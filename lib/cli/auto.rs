@@ -8,10 +8,10 @@ use crate::error::{Error, Result};
 use crate::rad::Document;
 use crate::recover::model::Kind;
 use crate::recover::saturated::apart;
-use crate::recover::types::{SAMPLES, Sample, Trial, choose};
+use crate::recover::types::{SAMPLES, Sample, Trial, Verdict, choose};
 use crate::recover::{Effort, Evidence, recover};
 use crate::report::Moment;
-use crate::unknown::{Unknown, Wishes, retyped};
+use crate::unknown::{GLASS, Unknown, Wishes, retyped};
 use std::slice::from_ref;
 
 /// A photograph whose unknown has been taken for a type.
@@ -68,51 +68,88 @@ pub fn take<'a>(start: &str, target: &str, effort: Effort, arguments: &Arguments
     };
     let mut photo = Photo::new(first, Some(target), arguments, console)?;
     let asked = Asked::new(start, arguments, photo.digest());
-    if let Some((Kept { said, found, rounds, .. }, unknown)) = kept(&asked, &unknowns, arguments)? {
-        photo.take_for(unknowns.swap_remove(unknown))?;
+    let glass = Unknown::as_glass_of_any_index(&document, &wishes).ok();
+    let tried: Vec<Unknown> = unknowns.iter().chain(&glass).cloned().collect();
+    if let Some((Kept { said, found, rounds, .. }, unknown)) = kept(&asked, &tried, arguments)? {
+        photo.take_for(tried[unknown].clone())?;
         return Ok(Taken { photo, said, around: None, asked, found: Some((found, rounds)) });
     }
-    let pixels = photo.evidence().enough_pixels(first, photo.material())?;
-    let (_, pixels) = apart(&photo.evidence(), pixels);
-    let effort = Effort { quick: true, wary: false, ..effort };
-    // Some of the unknowns, at their places, compared by about so many pixels; what they were found to be before lies `around`.
-    let mut compare = |places: &[usize], around: &[Vec<f64>], about: usize| {
-        let sample = Sample::of(&photo.evidence(), &pixels, about);
-        let mut trials = Vec::new();
-        for &i in places {
-            let unknown = &unknowns[i];
-            photo.take_for(unknown.clone())?;
-            let otherwise = photo.otherwise()?;
-            let evidence = Evidence { mask: Some(&sample.mask), otherwise: otherwise.as_ref(), ..photo.evidence() };
-            let tell = |so_far: &str| console.progress(|| format!("{}: {so_far}", unknown.material().kind));
-            let effort = Effort { around: around.get(i).and_then(|values| near(unknown, values)), ..effort };
-            trials.push(Trial::new(unknown, recover(&evidence, unknown, photo.material(), effort, &tell)?));
-        }
-        let values: Vec<Vec<f64>> = trials.iter().map(|trial| trial.recovery.values.clone()).collect();
-        Outcome::Ok((choose(&trials, &sample), values))
-    };
-    let [few, more] = SAMPLES;
-    let those = |wanted: &dyn Fn(usize) -> bool| -> Vec<usize> { (0..unknowns.len()).filter(|&i| wanted(i)).collect() };
-    let mut places = those(&|_| true);
-    let (mut verdict, mut values) = compare(&places, &[], few)?;
-    if !verdict.is_sure() && pixels.len() > few {
-        let (first, around) = (verdict, values);
-        let possible = those(&|i| !first.rivals[i].1.is_out());
-        // More pixels would hardly say otherwise of the rest, unless they say another type.
-        places = those(&|i| i == first.chosen || !first.sure[i]);
-        (verdict, values) = compare(&places, &around, more)?;
-        if verdict.kind() != first.kind() && places != possible {
-            places = possible;
-            (verdict, values) = compare(&places, &around, more)?;
-        }
-        verdict.rivals.extend(those(&|i| !places.contains(&i)).into_iter().map(|i| first.rivals[i].clone()));
-    }
-    let (unknown, values) = (unknowns.swap_remove(places[verdict.chosen]), values.swap_remove(verdict.chosen));
-    let around = near(&unknown, &values).map(<[f64]>::to_vec);
+    let (verdict, unknown, around) = Comparison::new(&mut photo, effort, console)?.best(unknowns, glass)?;
     photo.take_for(unknown)?;
     let said = Said { title: vec![verdict.title()], doubts: verdict.doubts() };
     Ok(Taken { photo, said, around, asked, found: None })
 }
+
+/// Unknowns compared by how near pictures of them come to a photograph.
+struct Comparison<'c, 'a> {
+    photo: &'c mut Photo<'a>,
+    pixels: Vec<usize>,
+    effort: Effort<'c>,
+    console: &'c Console,
+}
+
+impl<'c, 'a> Comparison<'c, 'a> {
+    fn new(photo: &'c mut Photo<'a>, effort: Effort<'c>, console: &'c Console) -> Result<Self> {
+        let pixels = photo.evidence().enough_pixels(photo.unknown(), photo.material())?;
+        let (_, pixels) = apart(&photo.evidence(), pixels);
+        Ok(Self { photo, pixels, effort: Effort { quick: true, wary: false, ..effort }, console })
+    }
+
+    /// Some of the unknowns, at their places, compared by about so many pixels; what they were found to be before lies `around`.
+    fn of(&mut self, unknowns: &[Unknown], places: &[usize], around: &[Vec<f64>], about: usize) -> Result<(Verdict, Vec<Vec<f64>>)> {
+        let sample = Sample::of(&self.photo.evidence(), &self.pixels, about);
+        let mut trials = Vec::new();
+        for &i in places {
+            let unknown = &unknowns[i];
+            self.photo.take_for(unknown.clone())?;
+            let otherwise = self.photo.otherwise()?;
+            let evidence = Evidence { mask: Some(&sample.mask), otherwise: otherwise.as_ref(), ..self.photo.evidence() };
+            let tell = |so_far: &str| self.console.progress(|| format!("{}: {so_far}", unknown.material().kind));
+            let effort = Effort { around: around.get(i).and_then(|values| near(unknown, values)), ..self.effort };
+            trials.push(Trial::new(unknown, recover(&evidence, unknown, self.photo.material(), effort, &tell)?));
+        }
+        let values: Vec<Vec<f64>> = trials.iter().map(|trial| trial.recovery.values.clone()).collect();
+        Ok((choose(&trials, &sample), values))
+    }
+
+    /// The one that the photograph supports best, and about where its values are, if that helps. `glass` is one whose index is unknown.
+    fn best(mut self, mut unknowns: Vec<Unknown>, glass: Option<Unknown>) -> Result<(Verdict, Unknown, Option<Vec<f64>>)> {
+        let [few, more] = SAMPLES;
+        let count = unknowns.len();
+        let those = |wanted: &dyn Fn(usize) -> bool| -> Vec<usize> { (0..count).filter(|&i| wanted(i)).collect() };
+        let mut places = those(&|_| true);
+        let (mut verdict, mut values) = self.of(&unknowns, &places, &[], few)?;
+        // What light goes through may be glass of another index than most.
+        let usual = |i: &usize| unknowns[*i].material().kind == GLASS && unknowns[*i].material().reals.len() == 3;
+        let out = (0..count).find(|i| usual(i) && verdict.rivals[*i].1.is_out()).filter(|_| THROUGH.contains(&verdict.kind()));
+        if let (Some(i), Some(glass)) = (out, glass) {
+            let usual = std::mem::replace(&mut unknowns[i], glass);
+            if self.of(&unknowns, &[verdict.chosen, i], &[], few)?.0.kind() == GLASS {
+                (verdict, values) = self.of(&unknowns, &places, &[], few)?;
+            } else {
+                unknowns[i] = usual;
+            }
+        }
+        if !verdict.is_sure() && self.pixels.len() > few {
+            let (first, around) = (verdict, values);
+            let possible = those(&|i| !first.rivals[i].1.is_out());
+            // More pixels would hardly say otherwise of the rest, unless they say another type.
+            places = those(&|i| i == first.chosen || !first.sure[i]);
+            (verdict, values) = self.of(&unknowns, &places, &around, more)?;
+            if verdict.kind() != first.kind() && places != possible {
+                places = possible;
+                (verdict, values) = self.of(&unknowns, &places, &around, more)?;
+            }
+            verdict.rivals.extend(those(&|i| !places.contains(&i)).into_iter().map(|i| first.rivals[i].clone()));
+        }
+        let (unknown, values) = (unknowns.swap_remove(places[verdict.chosen]), values.swap_remove(verdict.chosen));
+        let around = near(&unknown, &values).map(<[f64]>::to_vec);
+        Ok((verdict, unknown, around))
+    }
+}
+
+/// What may seem to be what is glass of an index that was not tried.
+const THROUGH: [&str; 2] = ["trans", "dielectric"];
 
 /// About where values are that a few pixels have found. An index is, and takes long to find; a lobe is sought anew, since those few may miss a highlight.
 fn near<'v>(unknown: &Unknown, values: &'v [f64]) -> Option<&'v [f64]> {

@@ -12,6 +12,7 @@ use crate::rad::{Document, decode};
 use crate::recover::answer::{Answer, missed, six};
 use crate::recover::doubts::Known;
 use crate::recover::misfit::Misfit;
+use crate::recover::words::count;
 use crate::unknown::{Unknown, Wishes};
 use serde::{Deserialize, Serialize};
 use std::fs::File;
@@ -242,7 +243,7 @@ impl Search {
         let (Some(best), Some((measure, value))) = (annealer.best(), self.measured()) else {
             return Err(Error::new("nothing was evaluated yet: there is no best"));
         };
-        let title = format!("{} {} after {} evaluations", measure.name(), six(value), annealer.told());
+        let title = format!("{} {} after {}", measure.name(), six(value), count(annealer.told(), "evaluation"));
         let answer = self.answer(&best.values);
         Ok((answer.file(&[title])?, answer.doubts().to_vec()))
     }
@@ -285,7 +286,7 @@ impl Search {
             if interrupted() {
                 let hint =
                     if watch.state.is_some() { "the same command goes on from here" } else { "with --state it could be taken up again" };
-                watch.console.note(&format!("interrupted after {} evaluations; {hint}", self.kept.annealer.told()));
+                watch.console.note(&format!("interrupted after {}; {hint}", count(self.kept.annealer.told(), "evaluation")));
                 break;
             }
             let chi2 = match objective.chi2(&values, self.kept.annealer.stage()) {

@@ -14,6 +14,7 @@ use crate::error::Result;
 use indices::Search;
 use stage::Stage;
 use std::time::Instant;
+use through::LEAST_INDEX;
 pub use through::Through;
 
 /// The types of material that are recovered so.
@@ -63,6 +64,11 @@ fn looked(through: &Through, pixels: &[usize], effort: Effort, tell: &dyn Fn(&st
     let mut seeds = Seeds::new(effort.seed);
     let fixed = through.index(&unknown.start());
     let (low, high) = slot.map_or((fixed, fixed), |i| bounds[i]);
+    if slot.is_some() && low >= high {
+        return Err(unknown
+            .material()
+            .error(format!("an index of refraction is sought from {LEAST_INDEX} on; give it higher bounds: --param ior=1.5:1:2.5")));
+    }
     if slot.is_some() && high > MOST_INDEX {
         return Err(unknown
             .material()

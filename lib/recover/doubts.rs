@@ -6,7 +6,7 @@
 
 use super::misfit::Misfit;
 use super::sheet::COMMON;
-use super::words::{by, digits, list, percent};
+use super::words::{by, combination, list, percent};
 use super::{Blur, clear};
 use crate::anneal::Parameter;
 use crate::anneal::linear::Symmetric;
@@ -60,6 +60,8 @@ const MOSTLY: f64 = 2.0;
 pub const UNDETERMINED: f64 = 0.3;
 /// Values that are known only together are correlated at least so much.
 pub const TOGETHER: f64 = 0.9;
+/// What is determined shares half of its variance with what is not when they are correlated so much: it moves with that.
+const SWAYED: f64 = std::f64::consts::FRAC_1_SQRT_2;
 /// Off by so much of its light, a picture is not explained at all.
 pub const ASTRAY: f64 = 0.1;
 /// And by so much, it is of something else, and tells nothing.
@@ -82,13 +84,19 @@ pub fn judge(unknown: &Unknown, values: &[f64], known: &Known) -> Judgement {
         doubts.insert(0, misjudged(&blur, explained));
     }
     let (seen, whole) = (&known.covariance, &errors.whole);
-    let plain = |i: usize| explained && standings[i] == Standing::Determined;
+    let correlated = whole.correlations();
+    // Where an error that pixels have in common leaves a colour open, it moves the others too.
+    let colour = |i: usize| COLORS.1.contains(&&unknown.parameters()[i].name[..]);
+    let moved = |j: usize| colour(j) && errors.scaled(seen, j, j).sqrt() < UNDETERMINED;
+    let with = |i: usize, j: usize| colour(i) && moved(j) || correlated.at(i, j).abs() >= SWAYED;
+    let swayed = |i: usize| (0..n).any(|j| standings[j] != Standing::Determined && with(i, j));
+    let plain = |i: usize| explained && standings[i] == Standing::Determined && !swayed(i);
     let error = |i: usize| {
         let whole = whole.at(i, i).sqrt() * errors.units[i];
         if plain(i) { seen.at(i, i).max(0.0).sqrt().min(whole) } else { whole }
     };
-    let [alike, whole] = [seen, whole].map(Symmetric::correlations);
-    let correlations = Symmetric::of(n, |i, j| if plain(i) && plain(j) { alike.at(i, j) } else { whole.at(i, j) });
+    let alike = seen.correlations();
+    let correlations = Symmetric::of(n, |i, j| if plain(i) && plain(j) { alike.at(i, j) } else { correlated.at(i, j) });
     Judgement { errors: (0..n).map(error).collect(), correlations, standings, doubts }
 }
 
@@ -186,6 +194,8 @@ impl<'a> Errors<'a> {
             let part = self.whole.at(i, i).sqrt();
             let far = if part > ANYWHERE { "anywhere between its bounds".to_string() } else { by(part * self.units[i]) };
             format!("an error of {} % in the light, the shape or the picture could move it {far}", percent(self.off(i)))
+        } else if is_roughness(&self.parameters[i]) && self.known.misfit.singles > 0.0 {
+            "it seems smoother than it is where few samples made a picture".to_string()
         } else if self.known.common.is_some() {
             "this picture and this light say next to nothing of it".to_string()
         } else {
@@ -293,15 +303,11 @@ fn together(parameters: &[Parameter], values: &[f64], covariance: &Symmetric, pi
     let name = |i: usize| parameters[i].name.as_str();
     let mut names: Vec<usize> = partners.iter().copied().chain([pivot]).collect();
     names.sort_unstable();
-    let combination = |&i: &usize| {
-        let slope = covariance.at(i, pivot) / covariance.at(pivot, pivot);
-        let error = (covariance.at(i, i) - slope * covariance.at(i, pivot)).max(0.0).sqrt();
-        let sum = values[i] - slope * values[pivot];
-        let sign = if slope < 0.0 { '+' } else { '-' };
-        let (sum, error) = digits(sum, error);
-        format!("{} {sign} {:.2} {} = {sum} ± {error}", name(i), slope.abs(), name(pivot))
+    let known = |&i: &usize| {
+        let two = [i, pivot];
+        combination(two.map(name), two.map(|k| values[k]), two.map(|k| covariance.at(k, k)), covariance.at(i, pivot))
     };
-    let known: Vec<String> = partners.iter().map(combination).collect();
+    let known: Vec<String> = partners.iter().map(known).collect();
     format!(
         "{} are not determined by themselves, only together: {}",
         list(&names.into_iter().map(name).collect::<Vec<_>>()),
@@ -385,6 +391,10 @@ mod tests {
         ));
         assert!((found.errors[2] - 12f64.sqrt().recip()).abs() < 1e-9 && (found.errors[4] - 0.4 * 0.01f64.hypot(0.1)).abs() < 1e-9);
         assert_eq!((found.errors[0], found.standings[4]), (0.001, Standing::Open));
+        // A colour stands and falls with one that the same error leaves open, and what is correlated with something open with that.
+        let found = plastic([0.001; 5], [0.1, 0.01, 0.01, 0.01, 0.01], (0, 3, -0.9), 0.0);
+        assert_eq!(found.standings[..4], [Standing::Open, Standing::Determined, Standing::Determined, Standing::Determined]);
+        assert!(found.errors[1] > 0.01 && found.errors[3] > 0.01 && found.errors[4] < 0.001, "{:?}", found.errors);
     }
 
     #[test]

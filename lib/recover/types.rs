@@ -162,7 +162,11 @@ pub fn choose(trials: &[Trial], sample: &Sample) -> Verdict {
     let behind = |i: usize| (0..trials.len()).map(|j| distance(i, j)).fold(0.0, f64::max);
     let best = (0..trials.len()).min_by(|&a, &b| behind(a).total_cmp(&behind(b)).then(loss(&trials[a]).total_cmp(&loss(&trials[b]))));
     let best = best.expect("there is a trial");
-    let open: Vec<usize> = (0..trials.len()).filter(|&i| distance(i, best) < EXCLUDED || trials[i].same(&trials[best])).collect();
+    // What can say more than another is never farther off: what it says more must be sure too.
+    let spared =
+        |i: usize| distance(i, best) < SURE && trials[best].contains(&trials[i]) && trials[best].same_within(&trials[i], f64::INFINITY);
+    let stays = |i: usize| distance(i, best) < EXCLUDED || trials[i].same(&trials[best]) || spared(i);
+    let open: Vec<usize> = (0..trials.len()).filter(|&i| stays(i)).collect();
     // Of those that say the same the first counts; then the simplest; then the nearest.
     let first = |i: usize| open.iter().copied().find(|&j| j == i || trials[j].same(&trials[i])).unwrap_or(i);
     // Where none explains the picture, another kind of thing may be simpler, and explain it least.
@@ -182,7 +186,7 @@ pub fn choose(trials: &[Trial], sample: &Sample) -> Verdict {
         match distance(i, best) {
             _ if same => Rival::Same,
             z if z < EXCLUDED && trials[chosen].contains(&trials[i]) => Rival::Same,
-            z if z >= EXCLUDED => Rival::Excluded(distance(i, chosen).max(EXCLUDED)),
+            z if !spared(i) && z >= EXCLUDED => Rival::Excluded(distance(i, chosen).max(EXCLUDED)),
             _ => Rival::Open,
         }
     };
@@ -340,6 +344,9 @@ mod tests {
             assert_eq!(title, "type plastic (as good: trans, another reflectance)");
             assert!(!doubts.is_empty() && !sure, "{error} {loss} {areas}");
         }
+        // It says more, and so is nearer: that alone excludes no plastic, unless what it says more is sure.
+        assert_eq!(found(0.1, 0.0087, 0.0).0, "type plastic (as good: trans, another reflectance)");
+        assert!(found(0.001, 0.0087, 0.0).0.starts_with("type trans; plastic excluded by "));
     }
 
     #[test]

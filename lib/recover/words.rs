@@ -9,6 +9,11 @@ pub fn list(words: &[impl AsRef<str>]) -> String {
     }
 }
 
+/// `1 evaluation`, `2 evaluations`.
+pub fn count(number: usize, what: &str) -> String {
+    format!("{number} {what}{}", if number == 1 { "" } else { "s" })
+}
+
 /// How far something moves, to the first digit.
 pub fn by(far: f64) -> String {
     format!("by {far:.0$}", decimals(far) - 1)
@@ -28,6 +33,15 @@ pub fn decimals(error: f64) -> usize {
 pub fn digits(value: f64, error: f64) -> (String, String) {
     let decimals = decimals(error);
     (format!("{value:.decimals$}"), format!("{error:.decimals$}"))
+}
+
+/// `red + 0.41 spec = 0.641 ± 0.012`: what is known of two values that go together, of their names, the values, their variances and covariance.
+pub fn combination(names: [&str; 2], values: [f64; 2], variances: [f64; 2], covariance: f64) -> String {
+    let slope = covariance / variances[1];
+    let error = (variances[0] - slope * covariance).max(0.0).sqrt();
+    let (sum, error) = digits(values[0] - slope * values[1], error);
+    let sign = if slope < 0.0 { '+' } else { '-' };
+    format!("{} {sign} {:.2} {} = {sum} ± {error}", names[0], slope.abs(), names[1])
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 
 use super::{COLORS, EXPOSURES, Unknown, Wishes};
 use crate::error::{Error, Result};
+use crate::material::GLASS_INDEX;
 use crate::rad::{Document, Type};
 
 /// The types that an unknown can be taken for, and what their parameters start with where the file does not say.
@@ -10,8 +11,10 @@ pub const TYPES: [(&str, &[f64]); 5] = [
     ("metal", &[0.5, 0.5, 0.5, 0.5, 0.1]),
     ("trans", &[0.5, 0.5, 0.5, 0.1, 0.1, 0.5, 0.5]),
     ("dielectric", &[0.5, 0.5, 0.5, 1.5, 0.0]),
-    ("glass", &[0.5, 0.5, 0.5]),
+    (GLASS, &[0.5, 0.5, 0.5]),
 ];
+/// The one whose index of refraction a file may leave out.
+pub const GLASS: &str = "glass";
 
 impl Unknown {
     /// The unknown of a scene file, taken for `kind`, one of [`TYPES`]. What is wished of parameters that it does not have is left out.
@@ -29,6 +32,16 @@ impl Unknown {
             all.push((own.clone(), Self::new(document.clone(), wishes)));
         }
         Ok(all)
+    }
+}
+
+impl Unknown {
+    /// The unknown of a scene file, taken for glass whose index of refraction is sought too.
+    pub fn as_glass_of_any_index(document: &Document, wishes: &Wishes) -> Result<Self> {
+        let (glass, wishes) = retyped(GLASS, document, wishes)?;
+        let material = super::choose(&glass, wishes.material.as_deref())?;
+        let reals = [&material.reals[..3], &[GLASS_INDEX]].concat();
+        Self::new(glass.retyped(&material.name, GLASS, &reals)?, &wishes)
     }
 }
 
@@ -109,6 +122,9 @@ mod tests {
         let names: Vec<&str> = trans.parameters().iter().map(|p| p.name.as_str()).collect();
         assert_eq!(names, ["red", "blue", "spec", "rough", "tspec"]);
         assert_eq!(trans.reals(&[0.1, 0.3, 0.1, 0.2, 0.5]), [0.1, 0.2, 0.3, 0.1, 0.2, 0.5, 0.5]);
+        let glass = Unknown::as_glass_of_any_index(&document, &Wishes::default()).unwrap();
+        let free: Vec<_> = glass.parameters().iter().map(|p| (p.name.as_str(), p.start)).collect();
+        assert_eq!(free, [("red", 0.1), ("green", 0.2), ("blue", 0.3), ("ior", GLASS_INDEX)]);
         let wrong = Wishes { fixed: vec!["gloss".into()], ..Wishes::default() };
         assert!(Unknown::taken_for("metal", &document, &wrong).unwrap_err().message.contains("no type of material that is tried"));
     }

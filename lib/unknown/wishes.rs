@@ -34,6 +34,9 @@ pub struct Bounds {
     pub high: f64,
 }
 
+/// Beyond, squares of radiance leave what numbers can hold.
+const FARTHEST: f64 = 1e9;
+
 impl FromStr for Bounds {
     type Err = Error;
 
@@ -49,6 +52,9 @@ impl FromStr for Bounds {
         let (low, high) = (number(low)?, number(high)?);
         if low >= high {
             return Err(wrong("the upper bound must be greater than the lower one"));
+        }
+        if low.abs().max(high.abs()) > FARTHEST {
+            return Err(wrong(&format!("no bound is farther from 0 than {FARTHEST:e}")));
         }
         if low <= 0.0 && EXPOSURES.contains(&name.trim()) {
             return Err(wrong("an exposure is a factor: its bounds must be greater than 0"));

@@ -9,7 +9,7 @@ use crate::unknown::Unknown;
 use rayon::prelude::*;
 
 /// The smallest index that is looked at.
-const LEAST_INDEX: f64 = 0.2;
+pub const LEAST_INDEX: f64 = 0.2;
 /// The least that roulette takes a transmissivity for.
 pub const DARKEST: f64 = 1e-3;
 
