@@ -64,8 +64,15 @@ impl Common {
 #[derive(clap::Args, Clone, Debug, Default)]
 pub struct Scenes {
     /// Whether the commands in scene files may run programs of this machine; the common generators always run inside the
-    /// process, unless all are denied [default: refuse others; RAD_COMMANDS=allow allows them]
-    #[arg(long, value_name = "allow|deny", help_heading = "Common options", hide_possible_values = true)]
+    /// process, unless all are denied [default: what RAD_COMMANDS says, else refuse others]
+    #[arg(
+        long,
+        value_name = "allow|deny",
+        help_heading = "Common options",
+        hide_possible_values = true,
+        env = "RAD_COMMANDS",
+        hide_env = true
+    )]
     pub commands: Option<Commands>,
 }
 
@@ -114,6 +121,13 @@ pub struct ViewWords {
     /// For [`crate::view::View::apply`].
     #[arg(id = spelling::VIEW_WORDS, long = spelling::VIEW_WORDS, hide = true, action = ArgAction::Append)]
     pub words: Vec<String>,
+}
+
+impl ViewWords {
+    /// The files among them.
+    pub fn files(&self) -> impl Iterator<Item = &str> {
+        self.words.windows(2).filter(|two| two[0] == "-vf").map(|two| two[1].as_str())
+    }
 }
 
 /// What a command line asks for.

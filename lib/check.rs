@@ -6,7 +6,7 @@ use crate::geometry::Shape;
 use crate::material::is_of_lamps;
 use crate::rad::{Class, Link, Links, Primitive, Type, Undefined};
 use crate::resolve::Resolve;
-use crate::scene::Scene;
+use crate::scene::{Scene, misspelt};
 use crate::transform::Transform;
 use std::collections::{HashMap, HashSet};
 
@@ -63,6 +63,7 @@ pub fn check(flat: &Flat, resolve: &dyn Resolve) -> Problems {
     let mut told: HashSet<_> = problems.errors.iter().map(place).collect();
     let read = primitives.iter().enumerate().filter(|(i, _)| !unread.contains(i)).map(|(_, primitive)| primitive);
     problems.errors.extend(Scene::problems(read, &flat.annotations, resolve).into_iter().filter(|error| told.insert(place(error))));
+    problems.warnings.extend(misspelt(&flat.annotations));
     // All that a command prints may have one thing wrong with it.
     let mut written = HashSet::new();
     problems.errors.retain(|error| written.insert((error.place.as_ref().map(Span::written).map(at), error.message.clone())));

@@ -4,7 +4,7 @@
 //! answers yes or no, or stops: with an error, or because nobody reads its output any more.
 
 pub use disk::Disk;
-pub use scene::{documents, list, typed, view, world};
+pub use scene::{documents, list, say_failures, typed, view, world};
 pub use signal::interrupted;
 pub use stream::{Output, input};
 

@@ -19,32 +19,36 @@ pub use table::Table;
 
 use crate::cal::{Context, Failed, Program, Ray};
 use crate::color::Rgb;
-use crate::error::Result;
+use crate::error::{Result, Span};
 use crate::rad::Primitive;
 use crate::vector::Vec3;
 use frame::Frame;
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::sync::atomic::Ordering::Relaxed;
 use table::MAX_DIMENSIONS;
 
 /// A compiled colorpict, colorfunc, brightfunc, colordata or brightdata.
 #[derive(Debug)]
-pub struct Pattern {
-    frame: Frame,
-    kind: Kind,
-}
+pub struct Pattern(Expressions);
 
 /// A compiled texfunc or texdata.
 #[derive(Debug)]
-pub struct Texture {
-    frame: Frame,
-    kind: Kind,
-}
+pub struct Texture(Expressions);
 
 /// The coefficient of a compiled mixfunc, mixpict or mixdata.
 #[derive(Debug)]
-pub struct Mixture {
+pub struct Mixture(Expressions);
+
+/// What a primitive says of a hit, compiled.
+#[derive(Debug)]
+pub struct Expressions {
     frame: Frame,
     kind: Kind,
+    place: Span,
+    name: String,
+    /// Whether they had no value for some hit.
+    failed: AtomicBool,
 }
 
 /// Where three values come from.
@@ -78,14 +82,18 @@ enum Apply {
 }
 
 impl Pattern {
+    /// Its expressions.
+    pub fn expressions(&self) -> &Expressions {
+        &self.0
+    }
+
     /// The pattern that a primitive describes; `None` for other types.
     ///
     /// # Errors
     /// A file is missing, an expression or function is wrong, arguments are missing.
     pub fn compile(primitive: &Primitive, sources: &mut Sources) -> Result<Option<Self>> {
         const TYPES: [&str; 5] = ["colorpict", "colorfunc", "brightfunc", "colordata", "brightdata"];
-        let compiled = compile::compile(primitive, sources, &TYPES)?;
-        Ok(compiled.map(|(frame, kind)| Self { frame, kind }))
+        Ok(compile::compile(primitive, sources, &TYPES)?.map(Self))
     }
 
     /// The factor for red, green and blue. Negative values and values above 1 are allowed.
@@ -100,18 +108,22 @@ impl Pattern {
     /// The expressions have no value for this hit.
     #[inline]
     pub fn evaluate(&self, at: &At) -> std::result::Result<Rgb, Failed> {
-        self.kind.values(&self.frame, at)
+        self.0.values(at)
     }
 }
 
 impl Texture {
+    /// Its expressions.
+    pub fn expressions(&self) -> &Expressions {
+        &self.0
+    }
+
     /// The texture that a primitive describes; `None` for other types.
     ///
     /// # Errors
     /// A file is missing, an expression or function is wrong, arguments are missing.
     pub fn compile(primitive: &Primitive, sources: &mut Sources) -> Result<Option<Self>> {
-        let compiled = compile::compile(primitive, sources, &["texfunc", "texdata"])?;
-        Ok(compiled.map(|(frame, kind)| Self { frame, kind }))
+        Ok(compile::compile(primitive, sources, &["texfunc", "texdata"])?.map(Self))
     }
 
     /// The direction of the first tangent of an anisotropic material, given like a texture; `None` for other types.
@@ -119,8 +131,7 @@ impl Texture {
     /// # Errors
     /// An expression is wrong or missing.
     pub fn orientation(primitive: &Primitive, sources: &mut Sources) -> Result<Option<Self>> {
-        let compiled = compile::compile(primitive, sources, &["plastic2", "metal2", "trans2", "ashik2"])?;
-        Ok(compiled.map(|(frame, kind)| Self { frame, kind }))
+        Ok(compile::compile(primitive, sources, &["plastic2", "metal2", "trans2", "ashik2"])?.map(Self))
     }
 
     /// What is added to the unit normal, in world coordinates; zero where the expressions have no value.
@@ -133,18 +144,22 @@ impl Texture {
     /// # Errors
     /// The expressions have no value for this hit.
     pub fn evaluate(&self, at: &At) -> std::result::Result<Vec3, Failed> {
-        Ok(self.frame.to_world(at, self.kind.values(&self.frame, at)?))
+        Ok(self.0.frame.to_world(at, self.0.values(at)?))
     }
 }
 
 impl Mixture {
+    /// Its expressions.
+    pub fn expressions(&self) -> &Expressions {
+        &self.0
+    }
+
     /// The coefficient of the mixture that a primitive describes; `None` for other types.
     ///
     /// # Errors
     /// A file is missing, an expression or function is wrong, arguments are missing.
     pub fn compile(primitive: &Primitive, sources: &mut Sources) -> Result<Option<Self>> {
-        let compiled = compile::compile(primitive, sources, &["mixfunc", "mixpict", "mixdata"])?;
-        Ok(compiled.map(|(frame, kind)| Self { frame, kind }))
+        Ok(compile::compile(primitive, sources, &["mixfunc", "mixpict", "mixdata"])?.map(Self))
     }
 
     /// The share of the foreground, from 0 to 1.
@@ -152,7 +167,28 @@ impl Mixture {
     /// # Errors
     /// The expressions have no value for this hit: the mixture then is no material at all.
     pub fn coefficient(&self, at: &At) -> std::result::Result<f64, Failed> {
-        Ok(self.kind.values(&self.frame, at)?.x.clamp(0.0, 1.0))
+        Ok(self.0.values(at)?.x.clamp(0.0, 1.0))
+    }
+}
+
+impl Expressions {
+    fn values(&self, at: &At) -> std::result::Result<Vec3, Failed> {
+        self.kind.values(&self.frame, at).inspect_err(|_| {
+            if !self.failed.load(Relaxed) {
+                self.failed.store(true, Relaxed);
+            }
+        })
+    }
+
+    /// What is to be said if they had no value for some hit.
+    pub fn failure(&self) -> Option<String> {
+        let message = || {
+            let name = &self.name;
+            format!(
+                "`{name}` has no value for some rays, which do as without it: its expressions divide by 0, leave what a function is defined for, call themselves too deep, or use what only other types know"
+            )
+        };
+        self.failed.load(Relaxed).then(|| self.place.error(message()).remark())
     }
 }
 

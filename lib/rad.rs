@@ -13,7 +13,7 @@ mod types;
 pub use bytes::{decode, encode};
 pub use json::json;
 pub use lex::{is_space, real, word};
-pub use likely::Undefined;
+pub use likely::{Undefined, likely};
 pub use links::{Link, Links, WEIGHT_LIMIT};
 pub use print::{Number, Quoted};
 pub use set::set;

@@ -9,7 +9,7 @@ use crate::expand::{Annotation, Flat};
 use crate::geometry::{Mesh, Shape};
 use crate::material::Material;
 use crate::pattern::{Mixture, Pattern, Texture};
-use crate::rad::Primitive;
+use crate::rad::{Primitive, likely};
 use crate::resolve::Resolve;
 use crate::transform::Transform;
 use crate::vector::Vec3;
@@ -162,6 +162,7 @@ impl Scene {
             surfaces.extend(builder.add(primitive)?);
         }
         probes(&flat.annotations).try_for_each(|probe| builder.probe(probe))?;
+        builder.scene.warnings.extend(misspelt(&flat.annotations).map(|error| error.remark()));
         Ok(Self { surfaces, ..builder.scene })
     }
 
@@ -183,7 +184,16 @@ impl Scene {
     }
 }
 
+/// The word of the annotations that say where environment maps were measured.
+const PROBE: &str = "probe";
+
 /// The places where environment maps were measured, among annotations.
 fn probes(annotations: &[Annotation]) -> impl Iterator<Item = &Annotation> {
-    annotations.iter().filter(|a| a.word == "probe")
+    annotations.iter().filter(|a| a.word == PROBE)
+}
+
+/// What is wrong with annotations that are hardly meant to be comments.
+pub fn misspelt(annotations: &[Annotation]) -> impl Iterator<Item = Error> {
+    let meant = |a: &&Annotation| a.word != PROBE && likely(&a.word, std::iter::once(PROBE)).is_some();
+    annotations.iter().filter(meant).map(|a| a.span.error(format!("#@{} says nothing; write #@{PROBE} for a measured place", a.word)))
 }

@@ -24,10 +24,11 @@ use crate::geometry::{Mesh, Ray};
 use crate::light::{Lamp, ToLamp};
 use crate::material::Material;
 use crate::panorama::Place;
-use crate::scene::{Chain, ChainId, End, MaterialId, Named};
+use crate::scene::{Chain, ChainId, End, Link, MaterialId, Named};
 use crate::transform::Transform;
 use crate::vector::Vec3;
 use field::Probes;
+use std::collections::BTreeSet;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -210,6 +211,30 @@ impl World {
     /// The distance within which a ray does not see the surface it starts from: never less than what positions are exact to.
     fn epsilon(&self, origin: Vec3) -> f64 {
         self.tolerance.max(origin.abs().max_element() * 1e-14)
+    }
+
+    /// What is to be said of patterns, textures and mixtures that had no value for some ray so far, once each.
+    pub fn failures(&self) -> BTreeSet<String> {
+        let mut links: Vec<&Link> = self.chains.iter().flat_map(|chain| &chain.links).collect();
+        let mut said = BTreeSet::new();
+        while let Some(link) = links.pop() {
+            said.extend(match link {
+                Link::Pattern(pattern) => pattern.expressions().failure(),
+                Link::Texture(texture) => texture.expressions().failure(),
+                Link::Mixture(mixed) => {
+                    let (mixture, fore, back) = &**mixed;
+                    links.extend(fore.iter().chain(back));
+                    mixture.expressions().failure()
+                }
+            });
+        }
+        for chain in &self.chains {
+            if let End::Mixture(mixture, ..) = &chain.end {
+                said.extend(mixture.expressions().failure());
+            }
+        }
+        said.extend(self.materials.iter().filter_map(|named| named.orientation.as_ref()?.expressions().failure()));
+        said
     }
 
     /// Whether anything lets light through in a single direction, so that shadow rays are paths.

@@ -92,6 +92,31 @@ fn light_that_was_scattered_twice_is_indirect() {
 }
 
 #[test]
+fn few_samples_have_a_variance_too() {
+    // Half of each ray's light is the lamp's or the sky's, by chance.
+    let scene = "void trans it 0 0 7 .9 .9 .9 0 0 .5 0\nit sphere ball 0 0 4 0 0 0 1\nvoid glow half 0 0 4 1 1 1 0\nhalf source sky 0 0 4 0 0 1 180\n";
+    for samples in 2..6 {
+        let bytes = rendered(&format!("--spp {samples} --variance v.exr"), scene, "v.exr");
+        let planes = Planes::read(&bytes, "v.exr").unwrap();
+        let variances = numbers(&planes, "variance.G");
+        assert!(variances.iter().all(|v| v.is_finite() && *v >= 0.0) && variances.iter().any(|v| *v > 0.0), "{samples}: {variances:?}");
+    }
+}
+
+#[test]
+fn what_a_scene_reads_is_not_overwritten() {
+    let directory = tempfile::tempdir().unwrap();
+    let at = |name: &str| directory.path().join(name);
+    fs::write(at("ball.rad"), BALL).unwrap();
+    fs::write(at("scene.rad"), format!("!xform ball.rad\n{SKY}")).unwrap();
+    let line = "-vp 0 -5 0 -vd 0 1 0 -x 4 -y 4 -o ball.rad scene.rad";
+    let done = Command::new(env!("CARGO_BIN_EXE_rtrace-rs")).current_dir(directory.path()).args(line.split(' ')).output().unwrap();
+    let said = String::from_utf8(done.stderr).unwrap();
+    assert!(done.status.code() == Some(2) && said.contains("ball.rad: read here, and would be lost"), "{said}");
+    assert_eq!(fs::read_to_string(at("ball.rad")).unwrap(), BALL);
+}
+
+#[test]
 fn coverage_is_the_part_of_each_pixel() {
     let picture = Picture::read(&rendered("--coverage it", &format!("{BALL}{SKY}"), "picture.hdr"), "picture.hdr").unwrap();
     let covered: Vec<f64> = picture.pixels.iter().map(|p| p[1] as f64).collect();

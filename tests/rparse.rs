@@ -171,6 +171,13 @@ fn commands_run_only_when_allowed() {
         assert_eq!(directory.path().join("pwned").exists(), wanted == 0);
     }
     assert_eq!(rparse(directory.path(), &["--commands", "deny"], b"!echo void plastic p 0 0 0\n").0, 2);
+    // The environment says the same, and nothing else.
+    for (said, built_in, wanted) in [("deny", true, 2), ("allow", true, 0), ("allow", false, 0), ("yes", true, 2)] {
+        let input: &[u8] = if built_in { b"!echo void plastic p 0 0 0\n" } else { scene };
+        let mut command = Command::new(env!("CARGO_BIN_EXE_rparse"));
+        let output = fed(command.current_dir(directory.path()).env("RAD_COMMANDS", said), input);
+        assert_eq!(output.status.code(), Some(wanted), "{said}: {}", String::from_utf8_lossy(&output.stderr));
+    }
     // What is typed may, unless a file is called so.
     let (status, _, said) = rparse(directory.path(), &["--commands", "deny", "!touch here"], b"");
     assert!(status == 2 && said.contains("commands are denied") && !directory.path().join("here").exists(), "{said}");

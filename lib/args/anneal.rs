@@ -8,7 +8,7 @@ use crate::metric::Loss;
 use crate::rules::UNWEIGHTED;
 use crate::unknown::{Bounds, TYPES, Wishes, names};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 /// What material is it? Finds the numbers of a material with which a rendering comes nearest to a picture.
@@ -70,7 +70,7 @@ pub struct Arguments {
 #[command(next_help_heading = "Photograph")]
 pub struct Photo {
     /// The scene without the unknown material, which START.rad holds; a definition of it here does not count. May be repeated
-    #[arg(long, value_name = "SCENE", value_parser = super::name())]
+    #[arg(long, value_name = "SCENE", value_parser = super::name(), conflicts_with = "exec")]
     pub scene: Vec<String>,
 
     /// The view [default: the picture's own].
@@ -257,11 +257,36 @@ impl AsRef<Common> for Arguments {
 impl Photo {
     /// The files that it is read from.
     pub fn files(&self) -> Vec<&str> {
-        [&self.target, &self.mask].into_iter().flatten().chain(&self.scene).map(String::as_str).collect()
+        let pictures = [&self.target, &self.mask].into_iter().flatten();
+        pictures.chain(&self.scene).map(String::as_str).chain(self.view.files()).collect()
+    }
+}
+
+impl Job {
+    /// START.rad, if it is read.
+    pub fn start(&self) -> Option<&str> {
+        match self {
+            Self::Search(start) | Self::Propose(_, Some(start)) => Some(start),
+            _ => None,
+        }
+    }
+
+    /// The file that keeps a search which is driven from outside.
+    pub fn driven(&self) -> Option<&Path> {
+        match self {
+            Self::Search(_) => None,
+            Self::Propose(state, _) | Self::Tell(state, _) | Self::Best(state) => Some(state),
+        }
     }
 }
 
 impl Arguments {
+    /// The files that are written beside the answer.
+    pub fn pages(&self) -> impl Iterator<Item = &Path> {
+        let SearchOptions { state, report, log, .. } = &self.search;
+        [state, report, log].into_iter().filter_map(Option::as_deref)
+    }
+
     /// What is to be done.
     pub fn job(&self) -> Result<Job> {
         if !self.photo.predict && (self.photo.x.is_some() || self.photo.y.is_some()) {
@@ -291,6 +316,11 @@ impl Arguments {
         }
         if matches!(words[..], ["propose" | "tell", _, ..]) && self.search.report.is_some() {
             return Err(Error::new(format!("{} writes no page: give --report to best, which tells of the search", words[0])));
+        }
+        if let ["propose" | "tell" | "best", state] | ["tell", state, _] = words[..]
+            && let Some(option) = self.told()
+        {
+            return Err(Error::new(format!("{state} keeps what was said when its search began: leave {option} out")));
         }
         let photo = &self.photo;
         if matches!(words[..], ["propose" | "tell" | "best", ..])
@@ -328,6 +358,26 @@ impl Arguments {
             tied: unknown.tie.iter().map(|tie| names(tie, '=')).collect(),
             groups: unknown.groups.iter().flat_map(|groups| names(groups, '/')).map(|group| names(&group, ',')).collect(),
         }
+    }
+
+    /// An option that says what is unknown or how to search, if one was given.
+    fn told(&self) -> Option<&'static str> {
+        let (unknown, search) = (&self.unknown, &self.search);
+        let said = [
+            ("--material", unknown.material.is_some()),
+            ("--type", unknown.kind.is_some()),
+            ("--param", !unknown.param.is_empty()),
+            ("--fix", !unknown.fix.is_empty()),
+            ("--tie", !unknown.tie.is_empty()),
+            ("--groups", unknown.groups.is_some()),
+            ("--steps", search.steps.is_some()),
+            ("--time", search.time.is_some()),
+            ("--tolerance", search.tolerance.is_some()),
+            ("--stages", search.stages > 1),
+            ("--residuals", search.residuals.is_some()),
+            ("--no-polish", search.no_polish),
+        ];
+        said.into_iter().find_map(|(option, said)| said.then_some(option))
     }
 
     /// What was said of the way to search that is of no use where no candidate is judged, as in a recovery from a picture, and what it is for.
@@ -415,6 +465,9 @@ mod tests {
             assert!(said(&format!("--scene s.rad --predict {option} a.rad")).contains("cannot be used with"));
         }
         assert!(said("propose s --state s2").contains("leave --state and --log out") && said("best s --log l").contains("leave --state"));
+        assert!(said("propose s --fix red").contains("leave --fix out") && said("tell s 3 --steps 9").contains("leave --steps out"));
+        assert!(said("best s --param red=.5:0:1").starts_with("s keeps what was said when its search began: leave --param out"));
+        assert_eq!(said("propose s a.rad --fix red --steps 9"), "");
         assert_eq!(said("--scene s.rad --target a.hdr --groups rgb/spec --state s --log l --report r.html a.rad"), "");
     }
 

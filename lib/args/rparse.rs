@@ -38,7 +38,7 @@ pub struct Args {
 #[group(multiple = false)]
 pub struct Mode {
     /// Print nothing but every problem; exit status 1 if there is one
-    #[arg(long)]
+    #[arg(long, conflicts_with = "output")]
     pub check: bool,
 
     /// Print a JSON object on a line for each primitive: file, line, modifier, type, id, sargs, iargs, fargs

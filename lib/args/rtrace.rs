@@ -168,6 +168,13 @@ impl PictureOptions {
                 Err(Error::new("-pc: other primaries than RADIANCE's (.64 .33 .29 .6 .15 .06 .3333 .3333) are not supported; use -pXYZ"))
             }
             _ => Ok(()),
+        }?;
+        if let Some(bad) = self.pj.filter(|pj| !(0.0..=1.0).contains(pj)) {
+            return Err(Error::new(format!("-pj must be from 0 to 1, not {bad}")));
+        }
+        match self.pd.filter(|pd| *pd < 0.0) {
+            Some(bad) => Err(Error::new(format!("-pd must be 0 or more, not {bad}"))),
+            None => Ok(()),
         }
     }
 
@@ -372,7 +379,8 @@ impl Light {
         if cs.is_some_and(|n| n > 3) {
             return Err(Error::new("-cs: more than three spectral samples are not supported"));
         }
-        for (option, value) in [("-lw", self.lw), ("-ss", self.ss)] {
+        let extinction = self.me.iter().flatten().map(|&value| ("-me", Some(value)));
+        for (option, value) in [("-lw", self.lw), ("-ss", self.ss), ("-ds", self.ds)].into_iter().chain(extinction) {
             if let Some(bad) = value.filter(|v| !(*v >= 0.0)) {
                 return Err(Error::new(format!("{option} must be 0 or more, not {bad}")));
             }

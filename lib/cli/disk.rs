@@ -1,16 +1,18 @@
 //! The file system and the shell as the library sees them: RAYPATH, the function files that ship with the project, and the
 //! gate for commands.
 
-use super::Console;
-use super::stream::{all, file, native, plain};
+use super::stream::{all, file, lost, native, plain};
+use super::{Console, Outcome};
 use crate::args::Commands;
 use crate::cal;
 use crate::error::{Error, Result};
 use crate::resolve::Resolve;
 use crate::sampling::mix64;
+use std::collections::HashSet;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitStatus, Stdio};
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 
 /// Where RADIANCE looks when RAYPATH is not set.
@@ -29,24 +31,23 @@ pub struct Disk<'a> {
     started: AtomicUsize,
     /// A number that any change of what was read changes.
     read: AtomicU64,
+    /// The files that were read.
+    opened: Mutex<HashSet<PathBuf>>,
 }
 
 impl<'a> Disk<'a> {
-    /// The file system along `RAYPATH`, and behind it the files of the project itself, by name; commands as typed, else as
-    /// `RAD_COMMANDS` says, else refused.
+    /// The file system along `RAYPATH`, and behind it the files of the project itself, by name; commands but for the common generators are refused if
+    /// nothing is said of them.
     pub fn new(commands: Option<Commands>, console: &'a Console) -> Self {
         let raypath = std::env::var_os("RAYPATH").unwrap_or_else(|| OsString::from(DEFAULT_RAYPATH));
-        let allowed = match commands {
-            Some(commands) => commands == Commands::Allow,
-            None => std::env::var_os("RAD_COMMANDS").is_some_and(|value| value == "allow"),
-        };
         Self {
             raypath: std::env::split_paths(&raypath).collect(),
-            allowed,
+            allowed: commands == Some(Commands::Allow),
             denied: commands == Some(Commands::Deny),
             console,
             started: AtomicUsize::new(0),
             read: AtomicU64::new(0),
+            opened: Mutex::default(),
         }
     }
 
@@ -61,7 +62,21 @@ impl<'a> Disk<'a> {
     }
 
     fn counted(&self, name: &str, path: impl AsRef<Path>) -> Result<Vec<u8>> {
-        file(path).inspect(|bytes| self.count(name, bytes))
+        let bytes = file(&path)?;
+        self.count(name, &bytes);
+        if let (Ok(path), Ok(mut opened)) = (std::fs::canonicalize(path), self.opened.lock()) {
+            opened.insert(path);
+        }
+        Ok(bytes)
+    }
+
+    /// Errors if one of these files, which are to be written, was read here: it would be lost.
+    pub fn spares<'p>(&self, outputs: impl IntoIterator<Item = &'p Path>) -> Outcome<()> {
+        let read = |path: &&Path| {
+            let path = std::fs::canonicalize(path);
+            path.is_ok_and(|path| path.is_file() && self.opened.lock().is_ok_and(|opened| opened.contains(&path)))
+        };
+        outputs.into_iter().find(read).map_or(Ok(()), |path| Err(lost(path).into()))
     }
 }
 
@@ -146,14 +161,7 @@ mod tests {
 
     fn disk<'a>(directories: &[&Path], commands: Commands, console: &'a Console) -> Disk<'a> {
         let raypath = directories.iter().map(|p| p.to_path_buf()).collect();
-        Disk {
-            raypath,
-            allowed: commands == Commands::Allow,
-            denied: commands == Commands::Deny,
-            console,
-            started: AtomicUsize::new(0),
-            read: AtomicU64::new(0),
-        }
+        Disk { raypath, ..Disk::new(Some(commands), console) }
     }
 
     fn silent() -> Console {

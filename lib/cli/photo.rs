@@ -54,6 +54,7 @@ impl<'a> Photo<'a> {
         let disk = Disk::new(arguments.scene_options.commands, console);
         let mut shot = Shot::new(target, arguments, &disk, console)?;
         let Setup { flat, place, reading, scene, material } = Setup::new(unknown, arguments, &disk, console)?;
+        disk.spares(arguments.pages().chain([arguments.common.output()]))?;
         if shot.rules.ambient_value == Rgb::ZERO && !scene.materials.iter().any(|named| named.material.emits()) {
             let remedy = "give --scene the file with the lamps or the sky too (or -av, light from everywhere)";
             return Err(Error::new(format!("the scene has no light, so that every rendering is black: {remedy}")).into());
@@ -255,6 +256,11 @@ impl<'a> Photo<'a> {
         let mut flat = self.flat.clone();
         flat.primitives.extend(Document::read("the lamp", lamp.into_bytes())?.primitives().cloned());
         self.surveyed(&flat)
+    }
+
+    /// What it is seen in.
+    pub fn world(&self) -> &World {
+        &self.world
     }
 
     /// Which material of the scene is the unknown.

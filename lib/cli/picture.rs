@@ -1,6 +1,6 @@
 //! A picture of a view, from the command line to the files that are written.
 
-use super::{Answer, Console, Disk, Outcome, Output, film, interrupted, view, world};
+use super::{Answer, Console, Disk, Outcome, Output, film, interrupted, say_failures, view, world};
 use crate::args::rtrace::Arguments;
 use crate::error::Error;
 use crate::integrator::survey;
@@ -21,6 +21,7 @@ pub fn rendered(args: &Arguments, rules: &Rules, disk: &Disk, start: Instant, co
     let budget = args.accuracy.budget()?;
     let aovs = options.aov.as_ref().map(|words| film::aovs(&words[0])).transpose()?;
     let mut world = world(args, rules, disk, console)?;
+    disk.spares(args.files())?;
     survey(&mut world, film.some_rays(), rules);
 
     let lens = film.lens();
@@ -61,6 +62,7 @@ pub fn rendered(args: &Arguments, rules: &Rules, disk: &Disk, start: Instant, co
         }
     }
     film::finish(args, size, header, &rendering)?;
+    say_failures(&world, &args.light, console);
     if interrupted {
         console.note(&format!("interrupted at {}; the picture is the best so far{left}", film::reached(&rendering)));
         return Ok(Answer::No);

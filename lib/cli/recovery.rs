@@ -4,7 +4,7 @@ use super::auto::{Taken, take};
 use super::kept::{Found, Kept};
 use super::photo::Photo;
 use super::report::{self, Trail};
-use super::{Answer, Console, Outcome, Output, interrupted};
+use super::{Answer, Console, Outcome, Output, interrupted, say_failures};
 use crate::args::anneal::Arguments;
 use crate::error::Result;
 use crate::recover::words::list;
@@ -42,6 +42,7 @@ pub fn recover(start: &str, target: &str, arguments: &Arguments, console: &Conso
         }
     };
     let found = found.recovery;
+    say_failures(photo.world(), &arguments.light, console);
     cut.then(|| console.note("interrupted: the values are those of the samples taken by then"));
     let answer = answer::Answer::new(unknown, &found.values, Some(&found.known()));
     said.title.extend(photo.remarks().iter().map(|remark| answer::warning(remark)));

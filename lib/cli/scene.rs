@@ -8,7 +8,7 @@ use crate::args::{self, ViewWords};
 use crate::error::{Error, Result, Source};
 use crate::expand::{Flat, expand};
 use crate::import::{is_octree, octree};
-use crate::rad::Document;
+use crate::rad::{Document, likely};
 use crate::resolve::Resolve;
 use crate::rules::Rules;
 use crate::scene::{Reading, Scene};
@@ -63,6 +63,13 @@ pub fn world(args: &Arguments, rules: &Rules, disk: &Disk, console: &Console) ->
     Ok(World::new(scene, rules)?)
 }
 
+/// Says what expressions of the world had no value for some ray, unless `-w-` wants none of that.
+pub fn say_failures(world: &World, light: &Light, console: &Console) {
+    if light.tuning.w != Some(false) {
+        world.failures().iter().for_each(|failure| console.warn(failure));
+    }
+}
+
 /// How scenes are read by what was typed.
 pub fn reading(typed: &args::Reading, resolve: &dyn Resolve) -> Result<Reading> {
     let mut definitions: Vec<Arc<Source>> = typed.definitions.iter().map(|text| Source::new("-e", text.as_str())).collect();
@@ -77,6 +84,12 @@ pub fn built(flat: &Flat, resolve: &dyn Resolve, reading: &Reading, light: &Ligh
     let scene = Scene::new(flat, resolve, reading)?;
     if light.tuning.w != Some(false) {
         scene.warnings.iter().for_each(|w| console.warn(w));
+        let known = || scene.chains.iter().map(|chain| chain.name.as_str());
+        let typed = light.ae.iter().map(|name| ("-ae", name)).chain(light.ai.iter().map(|name| ("-ai", name)));
+        for (option, name) in typed.filter(|(_, name)| !known().any(|known| known == *name)) {
+            let likely = likely(name, known()).map_or(String::new(), |likely| format!("; `{likely}` is one"));
+            console.warn(&format!("{option} {name}: no surface's modifier is called so{likely}"));
+        }
     }
     Ok(scene)
 }

@@ -132,9 +132,7 @@ impl Output {
             }
             let there = std::fs::canonicalize(path).ok();
             if there.is_some() && sources.iter().any(|source| std::fs::canonicalize(source).ok() == there) {
-                return Err(
-                    Error::new(format!("{}: read here, and would be lost; give the output a file of its own", path.display())).into()
-                );
+                return Err(lost(path).into());
             }
             let mut place = None;
             if let To::File(writer, path) = Self::create(Some(path))?.to {
@@ -196,6 +194,11 @@ impl Output {
             _ => Error::new(format!("{}: {}", self.name, plain(&e))).into(),
         })
     }
+}
+
+/// That a file which is to be written is read too.
+pub fn lost(path: &Path) -> Error {
+    Error::new(format!("{}: read here, and would be lost; give the output a file of its own", path.display()))
 }
 
 /// What a link that leads to no file yet stands for; any other path as it is.

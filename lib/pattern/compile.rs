@@ -4,7 +4,7 @@ use super::frame::Frame;
 use super::mapping::Mapping;
 use super::raster::Raster;
 use super::table::Table;
-use super::{Apply, Kind};
+use super::{Apply, Expressions, Kind};
 use crate::cal::{FileId, Library, Program, Written};
 use crate::error::{Result, Span};
 use crate::rad::Primitive;
@@ -13,6 +13,7 @@ use crate::transform::Transform;
 use crate::vector::Vec3;
 use std::collections::HashMap;
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 /// What the patterns of a scene share.
 pub struct Sources<'r> {
@@ -75,14 +76,15 @@ fn same(known: &Option<Program>, program: &Program) -> bool {
     known.as_ref() == Some(program)
 }
 
-/// The frame and values of a primitive of one of these types; `None` for other types.
-pub(super) fn compile(primitive: &Primitive, sources: &mut Sources, types: &[&str]) -> Result<Option<(Frame, Kind)>> {
+/// What a primitive of one of these types says; `None` for other types.
+pub(super) fn compile(primitive: &Primitive, sources: &mut Sources, types: &[&str]) -> Result<Option<Expressions>> {
     if !types.contains(&primitive.kind.as_str()) {
         return Ok(None);
     }
     let mut words = Words { primitive, sources };
     let (kind, used) = words.kind()?;
-    Ok(Some((Frame::new(&words.transform(used)?), kind)))
+    let frame = Frame::new(&words.transform(used)?);
+    Ok(Some(Expressions { frame, kind, place: primitive.span.clone(), name: primitive.name.clone(), failed: AtomicBool::new(false) }))
 }
 
 /// The frame of a BRTDfunc, its coefficients of the mirror direction and of the straight one, its functions for light sources. What is

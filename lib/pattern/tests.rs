@@ -110,7 +110,7 @@ fn functions_that_change_nothing_are_not_evaluated() {
     let mut sources = Sources::new(&files);
     let mut apply = |functions: &str| {
         let text = format!("void colorpict p 7 {functions} a.hdr f.cal .2 .3 0 0");
-        match Pattern::compile(&primitive(&text), &mut sources).unwrap().unwrap().kind {
+        match Pattern::compile(&primitive(&text), &mut sources).unwrap().unwrap().0.kind {
             Kind::Picture(_, Mapping::Constant(_), apply) => apply,
             kind => panic!("{kind:?}"),
         }
@@ -134,7 +134,7 @@ fn data_files() {
 fn constants_are_known() {
     let files = files();
     let mut sources = Sources::new(&files);
-    let mut constant = |text: &str| match Pattern::compile(&primitive(text), &mut sources).unwrap().unwrap().kind {
+    let mut constant = |text: &str| match Pattern::compile(&primitive(text), &mut sources).unwrap().unwrap().0.kind {
         Kind::Constant(values) => Some(values),
         _ => None,
     };
@@ -148,7 +148,9 @@ fn what_has_no_value_changes_nothing() {
     let files = files();
     let mut sources = Sources::new(&files);
     let pattern = Pattern::compile(&primitive("void colorfunc p 4 .5 .5 1/(Dx-.6) . 0 0"), &mut sources).unwrap().unwrap();
+    assert_eq!(pattern.expressions().failure(), None);
     assert_eq!((pattern.color(&at()), pattern.evaluate(&at())), (Vec3::ONE, Err(Failed)));
+    assert!(pattern.expressions().failure().is_some_and(|said| said.contains("`p` has no value for some rays")));
     let texture = Texture::compile(&primitive("void texfunc p 4 .5 .5 1/(Dx-.6) . 0 0"), &mut sources).unwrap().unwrap();
     assert_eq!(texture.perturbation(&at()), Vec3::ZERO);
 }
@@ -344,7 +346,7 @@ fn an_environment_is_looked_up_by_direction() {
     let mut sources = Sources::new(&files);
     let text = "void colorpict env 9 red green blue a.hdr . 1.5*(1+Atan2(Dx,Dz)/PI)/2 1-Acos(Dy)/PI -rz 90 0 0";
     let pattern = Pattern::compile(&primitive(text), &mut sources).unwrap().unwrap();
-    assert!(matches!(pattern.kind, Kind::Picture(_, Mapping::LatLong(_), _)));
+    assert!(matches!(pattern.0.kind, Kind::Picture(_, Mapping::LatLong(_), _)));
     // World -x is +y there, so this looks up, a little toward z: the middle column, not quite at the top.
     let found = pattern.color(&At::distant(Vec3::new(-0.8, 0.0, 0.6), Vec3::ZERO));
     let v = 1.0 - 0.8f64.acos() / std::f64::consts::PI;

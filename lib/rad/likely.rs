@@ -17,7 +17,7 @@ impl Undefined {
         if let Some(said) = said.get(name) {
             return said.clone();
         }
-        let likely = if said.len() < SOUGHT { likely(name, known) } else { None };
+        let likely = if said.len() < SOUGHT { likely(name, known.filter(|other| *other != name)) } else { None };
         let likely = likely.map_or(String::new(), |likely| format!("; `{likely}` is"));
         let new = format!("no modifier `{name}` is defined before this{likely}");
         said.insert(name.into(), new.clone());

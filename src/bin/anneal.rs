@@ -19,13 +19,10 @@ fn main() -> ExitCode {
 
 fn run(arguments: Arguments, console: &Console) -> Outcome<Answer> {
     let (output, job) = (arguments.common.output.as_deref(), arguments.job()?);
-    let SearchOptions { state, report, log, .. } = &arguments.search;
-    let driven = match &job {
-        Job::Search(_) => None,
-        Job::Propose(state, _) | Job::Tell(state, _) | Job::Best(state) => Some(&**state),
-    };
-    let outputs = [Some(arguments.common.output()), driven, state.as_deref(), report.as_deref(), log.as_deref()];
-    Output::check(outputs.into_iter().flatten(), &arguments.photo.files())?;
+    let pages = || job.driven().into_iter().chain(arguments.pages());
+    Output::check(pages().chain([arguments.common.output()]), &arguments.photo.files())?;
+    // The answer may take START.rad's place.
+    Output::check(pages(), &Vec::from_iter(job.start()))?;
     match job {
         Job::Search(start) => search(&start, &arguments, console),
         Job::Propose(state, start) => {

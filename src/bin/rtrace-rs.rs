@@ -21,8 +21,7 @@ fn run(args: Arguments, console: &Console) -> Outcome<Answer> {
         return Output::whole(args.common.output.as_deref(), text.as_bytes()).map(|()| answer);
     }
     args.check()?;
-    // Parts may be summed up in one of them.
-    let sources: Vec<&str> = args.scenes.iter().filter(|_| !args.merge).map(String::as_str).collect();
+    let sources: Vec<&str> = args.scenes.iter().map(String::as_str).chain(args.view.files()).collect();
     Output::check(args.files(), &sources)?;
     if args.merge {
         return film::merge(&args).map(|()| Answer::Yes);
@@ -53,6 +52,7 @@ fn rays(args: &Arguments, rules: &Rules, disk: &Disk, list: &dyn Fn(&str) -> Res
     let mut fields = Fields::of(options.specifiers(), format.output)?;
     fields.among = options.among(list)?;
     let world = cli::world(args, rules, disk, console)?;
+    disk.spares(args.files())?;
     let teller = Teller {
         world: &world,
         rules,
@@ -67,5 +67,6 @@ fn rays(args: &Arguments, rules: &Rules, disk: &Disk, list: &dyn Fn(&str) -> Res
     let (x, y) = args.picture.lines();
     let stream = Stream { x, y, header: options.header(), output: args.common.output.as_deref() };
     answer(teller, &stream, console)?;
+    cli::say_failures(&world, &args.light, console);
     Ok(Answer::Yes)
 }
