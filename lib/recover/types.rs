@@ -18,6 +18,8 @@ const BLOCK: usize = 8;
 const BLOCKS: f64 = 24.0;
 /// A type is excluded when another is better by so many standard errors.
 const EXCLUDED: f64 = 2.0;
+/// And by so many where both may well say the same: in light that is the same from everywhere, a plastic was farther off than a metal by up to 5.
+const CLEARLY: f64 = 6.0;
 /// By so many it surely is, however few pixels say so; and by no more may one be worse that surely is not.
 const SURE: f64 = 4.0;
 const NEAR: f64 = 1.0;
@@ -162,9 +164,8 @@ pub fn choose(trials: &[Trial], sample: &Sample) -> Verdict {
     let behind = |i: usize| (0..trials.len()).map(|j| distance(i, j)).fold(0.0, f64::max);
     let best = (0..trials.len()).min_by(|&a, &b| behind(a).total_cmp(&behind(b)).then(loss(&trials[a]).total_cmp(&loss(&trials[b]))));
     let best = best.expect("there is a trial");
-    // What can say more than another is never farther off: what it says more must be sure too.
-    let spared =
-        |i: usize| distance(i, best) < SURE && trials[best].contains(&trials[i]) && trials[best].same_within(&trials[i], f64::INFINITY);
+    // What can say more than another is never farther off, and few samples may not have found the best of each.
+    let spared = |i: usize| distance(i, best) < CLEARLY && trials[best].same_within(&trials[i], f64::INFINITY);
     let stays = |i: usize| distance(i, best) < EXCLUDED || trials[i].same(&trials[best]) || spared(i);
     let open: Vec<usize> = (0..trials.len()).filter(|&i| stays(i)).collect();
     // Of those that say the same the first counts; then the simplest; then the nearest.
@@ -344,7 +345,7 @@ mod tests {
             assert_eq!(title, "type plastic (as good: trans, another reflectance)");
             assert!(!doubts.is_empty() && !sure, "{error} {loss} {areas}");
         }
-        // It says more, and so is nearer: that alone excludes no plastic, unless what it says more is sure.
+        // It says more, and so is nearer: that alone excludes no plastic, unless what it says more is sure. Nor is one excluded that is hardly known.
         assert_eq!(found(0.1, 0.0087, 0.0).0, "type plastic (as good: trans, another reflectance)");
         assert!(found(0.001, 0.0087, 0.0).0.starts_with("type trans; plastic excluded by "));
     }
