@@ -182,12 +182,8 @@ impl Expressions {
 
     /// What is to be said if they had no value for some hit.
     pub fn failure(&self) -> Option<String> {
-        let message = || {
-            let name = &self.name;
-            format!(
-                "`{name}` has no value for some rays, which do as without it: its expressions divide by 0, leave what a function is defined for, call themselves too deep, or use what only other types know"
-            )
-        };
+        let why = "it divides by 0, leaves what a function is defined for, calls itself too deep, or uses what only other types know";
+        let message = || format!("`{}` has no value for some rays, which do as without it: {why}", self.name);
         self.failed.load(Relaxed).then(|| self.place.error(message()).remark())
     }
 }
