@@ -164,10 +164,7 @@ pub fn choose(trials: &[Trial], sample: &Sample) -> Verdict {
     let behind = |i: usize| (0..trials.len()).map(|j| distance(i, j)).fold(0.0, f64::max);
     let best = (0..trials.len()).min_by(|&a, &b| behind(a).total_cmp(&behind(b)).then(loss(&trials[a]).total_cmp(&loss(&trials[b]))));
     let best = best.expect("there is a trial");
-    // What can say more than another is never farther off, and few samples may not have found the best of each.
-    let spared = |i: usize| distance(i, best) < CLEARLY && trials[best].same_within(&trials[i], f64::INFINITY);
-    let stays = |i: usize| distance(i, best) < EXCLUDED || trials[i].same(&trials[best]) || spared(i);
-    let open: Vec<usize> = (0..trials.len()).filter(|&i| stays(i)).collect();
+    let open: Vec<usize> = (0..trials.len()).filter(|&i| distance(i, best) < EXCLUDED || trials[i].same(&trials[best])).collect();
     // Of those that say the same the first counts; then the simplest; then the nearest.
     let first = |i: usize| open.iter().copied().find(|&j| j == i || trials[j].same(&trials[i])).unwrap_or(i);
     // Where none explains the picture, another kind of thing may be simpler, and explain it least.
@@ -179,6 +176,8 @@ pub fn choose(trials: &[Trial], sample: &Sample) -> Verdict {
     let chosen = chosen.unwrap_or(best);
     // START.rad has two roughnesses for a reason.
     let chosen = open.iter().copied().find(|&i| trials[i].kind.strip_suffix('2') == Some(&trials[chosen].kind)).unwrap_or(chosen);
+    // What can say more than another is never farther off, and few samples may not have found the best of each.
+    let spared = |i: usize| distance(i, best) < CLEARLY && trials[best].same_within(&trials[i], f64::INFINITY);
     let rival = |i: usize| {
         // One that can say all that the chosen one does says the same, unless that explains the picture less well, or it surely says something else.
         let explained = || distance(chosen, i) < NEAR && trials[chosen].recovery.explained();
@@ -346,7 +345,7 @@ mod tests {
             assert!(!doubts.is_empty() && !sure, "{error} {loss} {areas}");
         }
         // It says more, and so is nearer: that alone excludes no plastic, unless what it says more is sure. Nor is one excluded that is hardly known.
-        assert_eq!(found(0.1, 0.0087, 0.0).0, "type plastic (as good: trans, another reflectance)");
+        assert_eq!(found(0.1, 0.0087, 0.0).0, "type trans (as good: plastic, another reflectance)");
         assert!(found(0.001, 0.0087, 0.0).0.starts_with("type trans; plastic excluded by "));
     }
 
