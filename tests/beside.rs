@@ -93,7 +93,7 @@ fn light_that_was_scattered_twice_is_indirect() {
 
 #[test]
 fn few_samples_have_a_variance_too() {
-    // Half of each ray's light is the lamp's or the sky's, by chance.
+    // Whether a scattered ray meets the half of the sky that shines is left to chance.
     let scene = "void trans it 0 0 7 .9 .9 .9 0 0 .5 0\nit sphere ball 0 0 4 0 0 0 1\nvoid glow half 0 0 4 1 1 1 0\nhalf source sky 0 0 4 0 0 1 180\n";
     for samples in 2..6 {
         let bytes = rendered(&format!("--spp {samples} --variance v.exr"), scene, "v.exr");

@@ -369,15 +369,11 @@ impl Arguments {
             ("--param", !unknown.param.is_empty()),
             ("--fix", !unknown.fix.is_empty()),
             ("--tie", !unknown.tie.is_empty()),
-            ("--groups", unknown.groups.is_some()),
-            ("--steps", search.steps.is_some()),
             ("--time", search.time.is_some()),
             ("--tolerance", search.tolerance.is_some()),
-            ("--stages", search.stages > 1),
-            ("--residuals", search.residuals.is_some()),
-            ("--no-polish", search.no_polish),
         ];
-        said.into_iter().find_map(|(option, said)| said.then_some(option))
+        let judged = self.idle().into_iter().map(|[option, _]| option);
+        said.into_iter().filter_map(|(option, said)| said.then_some(option)).chain(judged).next()
     }
 
     /// What was said of the way to search that is of no use where no candidate is judged, as in a recovery from a picture, and what it is for.

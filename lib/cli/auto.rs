@@ -95,9 +95,8 @@ impl<'c, 'a> Comparison<'c, 'a> {
         Ok(Self { photo, pixels, effort: Effort { quick: true, wary: false, ..effort }, console })
     }
 
-    /// Some of the unknowns, at their places, compared by about so many pixels; what they were found to be before lies `around`.
-    fn of(&mut self, unknowns: &[Unknown], places: &[usize], around: &[Vec<f64>], about: usize) -> Result<(Verdict, Vec<Vec<f64>>)> {
-        let sample = Sample::of(&self.photo.evidence(), &self.pixels, about);
+    /// Some of the unknowns, at their places, tried on a sample; what they were found to be before lies `around`.
+    fn tried(&mut self, unknowns: &[Unknown], places: &[usize], around: &[Vec<f64>], sample: &Sample) -> Result<Vec<Trial>> {
         let mut trials = Vec::new();
         for &i in places {
             let unknown = &unknowns[i];
@@ -108,8 +107,7 @@ impl<'c, 'a> Comparison<'c, 'a> {
             let effort = Effort { around: around.get(i).and_then(|values| near(unknown, values)), ..self.effort };
             trials.push(Trial::new(unknown, recover(&evidence, unknown, self.photo.material(), effort, &tell)?));
         }
-        let values: Vec<Vec<f64>> = trials.iter().map(|trial| trial.recovery.values.clone()).collect();
-        Ok((choose(&trials, &sample), values))
+        Ok(trials)
     }
 
     /// The one that the photograph supports best, and about where its values are, if that helps. `glass` is one whose index is unknown.
@@ -117,35 +115,49 @@ impl<'c, 'a> Comparison<'c, 'a> {
         let [few, more] = SAMPLES;
         let count = unknowns.len();
         let those = |wanted: &dyn Fn(usize) -> bool| -> Vec<usize> { (0..count).filter(|&i| wanted(i)).collect() };
+        let mut sample = Sample::of(&self.photo.evidence(), &self.pixels, few);
         let mut places = those(&|_| true);
-        let (mut verdict, mut values) = self.of(&unknowns, &places, &[], few)?;
+        let mut trials = self.tried(&unknowns, &places, &[], &sample)?;
+        let mut verdict = choose(&trials, &sample);
         // What light goes through may be glass of another index than most.
         let usual = |i: &usize| unknowns[*i].material().kind == GLASS && unknowns[*i].material().reals.len() == 3;
         let out = (0..count).find(|i| usual(i) && verdict.rivals[*i].1.is_out()).filter(|_| THROUGH.contains(&verdict.kind()));
         if let (Some(i), Some(glass)) = (out, glass) {
             let usual = std::mem::replace(&mut unknowns[i], glass);
-            if self.of(&unknowns, &[verdict.chosen, i], &[], few)?.0.kind() == GLASS {
-                (verdict, values) = self.of(&unknowns, &places, &[], few)?;
+            let other = self.tried(&unknowns, &[i], &[], &sample)?;
+            let former: Vec<Trial> = trials.splice(i..=i, other).collect();
+            let again = choose(&trials, &sample);
+            if again.kind() == GLASS {
+                verdict = again;
             } else {
                 unknowns[i] = usual;
+                trials.splice(i..=i, former);
             }
         }
         if !verdict.is_sure() && self.pixels.len() > few {
-            let (first, around) = (verdict, values);
+            let (first, around) = (verdict, found(&trials));
             let possible = those(&|i| !first.rivals[i].1.is_out());
+            sample = Sample::of(&self.photo.evidence(), &self.pixels, more);
             // More pixels would hardly say otherwise of the rest, unless they say another type.
             places = those(&|i| i == first.chosen || !first.sure[i]);
-            (verdict, values) = self.of(&unknowns, &places, &around, more)?;
+            trials = self.tried(&unknowns, &places, &around, &sample)?;
+            verdict = choose(&trials, &sample);
             if verdict.kind() != first.kind() && places != possible {
                 places = possible;
-                (verdict, values) = self.of(&unknowns, &places, &around, more)?;
+                trials = self.tried(&unknowns, &places, &around, &sample)?;
+                verdict = choose(&trials, &sample);
             }
             verdict.rivals.extend(those(&|i| !places.contains(&i)).into_iter().map(|i| first.rivals[i].clone()));
         }
-        let (unknown, values) = (unknowns.swap_remove(places[verdict.chosen]), values.swap_remove(verdict.chosen));
+        let (unknown, values) = (unknowns.swap_remove(places[verdict.chosen]), found(&trials).swap_remove(verdict.chosen));
         let around = near(&unknown, &values).map(<[f64]>::to_vec);
         Ok((verdict, unknown, around))
     }
+}
+
+/// The values that trials found.
+fn found(trials: &[Trial]) -> Vec<Vec<f64>> {
+    trials.iter().map(|trial| trial.recovery.values.clone()).collect()
 }
 
 /// What may seem to be what is glass of an index that was not tried.

@@ -24,8 +24,8 @@ const MAX_COMMANDS: usize = 1000;
 /// Finds and reads files, runs commands if the user allowed it.
 pub struct Disk<'a> {
     raypath: Vec<PathBuf>,
-    allowed: bool,
-    denied: bool,
+    /// What was said of commands.
+    commands: Option<Commands>,
     /// Hears what went wrong with a command whose output is used all the same.
     console: &'a Console,
     started: AtomicUsize,
@@ -42,8 +42,7 @@ impl<'a> Disk<'a> {
         let raypath = std::env::var_os("RAYPATH").unwrap_or_else(|| OsString::from(DEFAULT_RAYPATH));
         Self {
             raypath: std::env::split_paths(&raypath).collect(),
-            allowed: commands == Some(Commands::Allow),
-            denied: commands == Some(Commands::Deny),
+            commands,
             console,
             started: AtomicUsize::new(0),
             read: AtomicU64::new(0),
@@ -120,7 +119,7 @@ impl Resolve for Disk<'_> {
     }
 
     fn command(&self, command: &str) -> Result<Vec<u8>> {
-        if !self.allowed {
+        if self.commands != Some(Commands::Allow) {
             return Err(Error::new(format!(
                 "command not run: {command}; if you trust the scene, give --commands allow (or set RAD_COMMANDS=allow)"
             )));
@@ -137,7 +136,7 @@ impl Resolve for Disk<'_> {
     }
 
     fn denies(&self) -> bool {
-        self.denied
+        self.commands == Some(Commands::Deny)
     }
 }
 

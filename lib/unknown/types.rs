@@ -13,6 +13,7 @@ pub const TYPES: [(&str, &[f64]); 5] = [
     ("dielectric", &[0.5, 0.5, 0.5, 1.5, 0.0]),
     (GLASS, &[0.5, 0.5, 0.5]),
 ];
+
 /// The one whose index of refraction a file may leave out.
 pub const GLASS: &str = "glass";
 
@@ -33,9 +34,7 @@ impl Unknown {
         }
         Ok(all)
     }
-}
 
-impl Unknown {
     /// The unknown of a scene file, taken for glass whose index of refraction is sought too.
     pub fn as_glass_of_any_index(document: &Document, wishes: &Wishes) -> Result<Self> {
         let (glass, wishes) = retyped(GLASS, document, wishes)?;
