@@ -11,7 +11,7 @@ use crate::recover::scores::pictures;
 use crate::recover::seen::First;
 use crate::recover::sheet::Half;
 use crate::recover::{Evidence, Recovery};
-use crate::transport::{self, Alpha, Basis, Explored, POLISHED_ORDER, Pixels, Rough};
+use crate::transport::{self, Alpha, Basis, Explored, ORDER, POLISHED_ORDER, Pixels, Rough};
 use crate::unknown::Unknown;
 use std::ops::Range;
 
@@ -30,7 +30,7 @@ const OPEN_VALUES: usize = 8;
 
 /// By how many standard errors a value must have moved for what goes by it to be worth another look; and by how much of all light it may be wrong.
 const MOVED: f64 = 2.0;
-const ALMOST: f64 = 0.003;
+const ALMOST: f64 = 0.002;
 
 /// The roughness of a lobe that the light changes within: along narrower ones it changes less.
 const WIDE_LOBE: f64 = 0.1;
@@ -138,8 +138,8 @@ impl<'a> Stage<'a> {
         self.kind.polished || self.middle[0].max(self.middle[1]) < SHARP
     }
 
-    /// By how much what light meets that meets the unknown more often than products tell differs from what was found: by the shares of its parts, and by
-    /// the roughness of those that have one.
+    /// By how much of itself light that meets the unknown more often than products tell is off, by what was found: by the shares of its parts at as many
+    /// meetings, and by the roughness of those that have one.
     fn changed(&self, found: &Recovery) -> f64 {
         let Some(often) = self.often.as_ref().filter(|_| !self.kind.polished) else { return 0.0 };
         let moved = often.iter().zip(&found.values).zip(found.errors()).any(|((was, is), error)| (was - is).abs() > MOVED * error);
@@ -154,8 +154,8 @@ impl<'a> Stage<'a> {
         let rougher = roughness(self.kind, &was).iter().zip(roughness(self.kind, &is)).map(|(was, is)| wider(*was, is)).fold(0.0, f64::max);
         let channel = |c: usize| {
             let (was, is) = (shares(&was, c), shares(&is, c));
-            let differ = was.iter().zip(is).map(|(was, is)| (was - is).abs()).fold(0.0, f64::max);
-            differ + (is[2] + is[3]) * rougher
+            let differ: f64 = was.iter().zip(is).map(|(was, is)| (was - is).abs()).sum();
+            (ORDER + 1) as f64 * differ + (is[2] + is[3]) * rougher
         };
         (0..3).map(channel).fold(0.0, f64::max)
     }
