@@ -11,10 +11,10 @@ use crate::color::{Rgb, bright};
 use crate::geometry::TINY;
 use crate::material::{FunctionMaterial, Inside, Material, Reflectance};
 use crate::pattern::{At, Functions, Seen};
-use crate::rules::Rules;
+use crate::rules::{Rules, Ward};
 use crate::sampling::{Sampler, cosine_hemisphere};
 use crate::vector::{Frame, Vec3};
-use lobe::{fresnel, power_reflection, reflection, reflection_pdf, sample_power, sample_reflection, schlick};
+use lobe::{above, fresnel, power_reflection, reflection, reflection_pdf, sample_power, sample_reflection, schlick};
 use lobe::{sample_transmission, transmission, transmission_pdf};
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -142,6 +142,9 @@ pub struct Delta {
     pub medium: Option<Inside>,
 }
 
+/// How often RADIANCE draws a sample anew that falls below the surface.
+const TRIES: u32 = 10;
+
 /// Scattering at a point, for one direction to the viewer.
 #[derive(Clone, Debug)]
 pub struct Bsdf {
@@ -161,6 +164,8 @@ pub struct Bsdf {
     loss: Loss,
     /// Whether a texture bends the normal.
     bent: bool,
+    /// Whether rough reflection is gathered by [`Rules::single`] samples.
+    pub single: bool,
     /// What a bent normal leaves of the diffuse lobe above the surface, as a fraction; indirect light is divided by it.
     pub kept: f64,
     /// How light sources are scattered by expressions.
@@ -234,6 +239,7 @@ impl Bsdf {
             deltas: [None; 2],
             loss: Loss::None,
             bent: point.perturbation != Vec3::ZERO,
+            single: false,
             kept: 1.0,
             functions: None,
         }
@@ -299,7 +305,7 @@ impl Bsdf {
                     |part: Part| lobe(part.side()).filter(|l| l.gathers && l.form == LobeForm::Gaussian).filter(|_| self.admits(part, wi));
                 let mut light = if self.passes(wi) { self.ambient[side] * (lambert * diffuse / self.kept) } else { Rgb::ZERO };
                 if let Some(lobe) = gathers(Part::SpecularReflection) {
-                    light += lobe.color * (weights[2] * reflection(rules.lobe, lobe.alpha, self.to_viewer, wi) * self.tilt(wi));
+                    light += lobe.color * (weights[2] * self.gathered(lobe.alpha, wi, rules.lobe));
                 }
                 if let Some(lobe) = gathers(Part::SpecularTransmission) {
                     light += lobe.color * (weights[3] * self.through_pdf(lobe, wi));
@@ -320,6 +326,21 @@ impl Bsdf {
         })
     }
 
+    /// The reflected lobe for indirect light, without its colour.
+    fn gathered(&self, alpha: [f64; 2], wi: Vec3, form: Ward) -> f64 {
+        if self.single {
+            self.repeated(alpha) * reflection_pdf(alpha, self.to_viewer, wi)
+        } else {
+            self.tilt(wi) * reflection(form, alpha, self.to_viewer, wi)
+        }
+    }
+
+    /// How many times as dense as the first try the samples are that RADIANCE finds above the surface in as many tries as it makes.
+    pub fn repeated(&self, alpha: [f64; 2]) -> f64 {
+        let missed = 1.0 - above(alpha, self.to_viewer, self.geometric);
+        (0..TRIES).fold(0.0, |tries, _| 1.0 + missed * tries)
+    }
+
     /// What RADIANCE makes of a bent normal where it gathers indirect light by a reflecting lobe: its samples are weighted by the cosines to
     /// the geometric normal instead, and the lobe is this many times as strong.
     pub fn tilt(&self, wi: Vec3) -> f64 {
@@ -330,7 +351,7 @@ impl Bsdf {
         to_light / (to_light + to_viewer) * (wi.z + self.to_viewer.z) / wi.z
     }
 
-    /// By how much more a part scatters lamps than indirect light from the direction `wi`; `None` where its colour differs too, so that
+    /// By how much more a part scatters lamps than indirect light from the direction `wi`; `None` where its colour or shape differs too, so that
     /// lamps must not be found by sampling it.
     pub fn lamp_ratio(&self, part: Part, wi: Vec3) -> Option<f64> {
         let side = part.side();
@@ -339,7 +360,7 @@ impl Bsdf {
                 let alike = self.loss == Loss::None && self.lobes[side].is_none_or(|l| l.gathers);
                 alike.then_some(self.kept)
             }
-            Part::SpecularReflection => Some(1.0 / self.tilt(wi)),
+            Part::SpecularReflection => (!self.single).then(|| 1.0 / self.tilt(wi)),
             Part::SpecularTransmission => None,
         }
     }
@@ -433,12 +454,12 @@ impl Bsdf {
         }
     }
 
-    /// One sample of a rough lobe by RADIANCE's rule (`-ss` at most [`UNWEIGHTED`](crate::rules::UNWEIGHTED)): a local direction that carries the whole colour of the lobe, as it is
-    /// accepted within ten tries. Below 1, `-ss` narrows the lobe; at 0 it is a mirror.
+    /// One sample of a rough lobe by RADIANCE's rule (`-ss` below 1, which narrows the lobe, or at 0 makes it a mirror): a local direction that carries
+    /// the whole colour of the lobe, as it is accepted within so many tries.
     pub fn unweighted(&self, part: Part, spread: f64, sampler: &mut Sampler) -> Option<(Vec3, Rgb)> {
         let lobe = self.lobes[part.side()].filter(|l| l.gathers)?;
         let color = lobe.color;
-        let tries = if spread == 0.0 { 1 } else { 10 };
+        let tries = if spread == 0.0 { 1 } else { TRIES };
         (0..tries).find_map(|_| {
             let [u, v] = if spread == 0.0 { [0.0; 2] } else { sampler.pair() };
             self.sample(part, [spread * u, v]).map(|wi| (wi, color))

@@ -24,6 +24,7 @@ mod parse;
 mod run;
 mod shipped;
 
+pub use functions::erfc;
 pub use run::Program;
 pub use shipped::shipped;
 

@@ -22,7 +22,8 @@ pub struct Rules {
     pub limit_weight: Option<f64>,
     /// `-st`: rough specularity at or below this joins the diffuse part, except for the highlights of light sources.
     pub specular_threshold: f64,
-    /// `-ss`: given and not above [`UNWEIGHTED`], rough reflection is RADIANCE's single unweighted sample; otherwise it is the lobe itself.
+    /// `-ss`: given and not above 1.5, rough reflection is what RADIANCE's single unweighted samples make of it on the average, of a
+    /// lobe that is narrower below 1; otherwise it is the lobe itself.
     pub specular_sampling: Option<f64>,
     /// `-dj`: given, each light source is one sample at its centre (or one for each of its parts, see `light_division`), jittered over this
     /// fraction of its extent; otherwise it is integrated.
@@ -71,8 +72,10 @@ pub enum Ward {
 /// RADIANCE's constant since June 2026; it makes the term vanish at normal incidence. Releases from March 2023 to 6.0.2 have .00202943064.
 pub const FRESNEL_OFFSET: f64 = 0.00287989916;
 
-/// The largest `-ss` by which rough reflection is a single unweighted sample.
-pub const UNWEIGHTED: f64 = 1.5;
+/// Whether rough reflection is a single unweighted sample of the whole lobe by this `-ss`: below, the lobe is narrower, and above, samples are weighted.
+pub fn single(sampling: f64) -> bool {
+    (1.0..=1.5).contains(&sampling)
+}
 
 impl Default for Rules {
     fn default() -> Self {
@@ -102,5 +105,10 @@ impl Rules {
     /// Whether RADIANCE's limits hold, rather than a roulette that leaves no bias.
     pub fn limited(&self) -> bool {
         self.limit_weight.is_some() || self.limit_reflections.is_some()
+    }
+
+    /// Whether rough reflection is that of RADIANCE's single samples from the whole lobe, which are not weighted.
+    pub fn single(&self) -> bool {
+        self.specular_sampling.is_some_and(single)
     }
 }

@@ -5,7 +5,6 @@ use super::{Common, Reading, Scenes, ViewWords, radius};
 use crate::anneal::Options;
 use crate::error::{Error, Result};
 use crate::metric::Loss;
-use crate::rules::UNWEIGHTED;
 use crate::unknown::{Bounds, TYPES, Wishes, names};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use std::path::{Path, PathBuf};
@@ -296,9 +295,9 @@ impl Arguments {
             return Err(Error::new("--filter auto finds the filter of a --target without --direct; give its radius here"));
         }
         let (light, seen) = (&self.light, self.photo.target.is_some() && !self.photo.direct || self.photo.predict);
-        if seen && (light.st.is_some_and(|st| st > 0.0) || light.ss.is_some_and(|ss| ss <= UNWEIGHTED)) {
+        if seen && (light.st.is_some_and(|st| st > 0.0) || light.ss.is_some_and(|ss| ss < 1.0)) {
             return Err(Error::new(
-                "-st and -ss are shortcuts of a rendering, which no photograph takes; leave them out (or give --direct)",
+                "-st and -ss below 1 are shortcuts of a rendering, which no photograph takes; leave them out (or give --direct)",
             ));
         }
         if seen && light.irradiance == Some(true) {

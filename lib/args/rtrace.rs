@@ -255,7 +255,7 @@ pub struct Light {
     #[arg(long = "st", value_name = "F")]
     pub st: Option<f64>,
 
-    /// Up to 1.5: RADIANCE's single unweighted sample of rough reflection, narrowed below 1 [default: the lobe itself]
+    /// Up to 1.5: rough reflection by RADIANCE's single unweighted samples, narrowed below 1 [default: the lobe itself]
     #[arg(long = "ss", value_name = "F")]
     pub ss: Option<f64>,
 

@@ -23,6 +23,7 @@ impl Bsdf {
             true => m.color * specular,
             false => Rgb::splat(specular),
         };
+        bsdf.single = rules.single();
         bsdf.loss = if polished { Loss::Polished } else { Loss::None };
         let shares = [1.0 - transmitted - specular, transmitted - straight];
         bsdf.diffuse = shares.map(|share| if share > TINY { m.color * share } else { Rgb::ZERO });

@@ -5,7 +5,6 @@ use super::{EXACT_ROULETTE, Integrator, Kind, MANY, PATIENCE, Path, ROULETTE, Sc
 use crate::bsdf::{Arriving, Bsdf, Delta, Part, lobe};
 use crate::color::Rgb;
 use crate::geometry::Ray;
-use crate::rules::UNWEIGHTED;
 use crate::sampling::Sampler;
 use crate::vector::Vec3;
 use crate::world::{Emitter, Layer};
@@ -154,12 +153,7 @@ impl<B: Clone> Integrator<'_, B> {
         if bsdf.is_unweighted(part) {
             return Some(self.rules.specular_sampling.map_or(1.0, |s| f64::from(s > 0.0)));
         }
-        let s = self.rules.specular_sampling?;
-        match part {
-            Part::SpecularReflection if s <= UNWEIGHTED => Some(s.min(1.0)),
-            Part::SpecularTransmission if s < 1.0 => Some(s),
-            _ => None,
-        }
+        self.rules.specular_sampling.filter(|s| !part.diffuse() && *s < 1.0)
     }
 
     /// Samples one part, and sends paths on.

@@ -89,6 +89,11 @@ impl Rough {
 }
 
 impl Rough {
+    /// Something at each node, in lanes.
+    fn at_nodes<const L: usize>(&self, f: impl Fn(Alpha) -> f64) -> Nodes<L> {
+        std::array::from_fn(|l| f32x8::from(std::array::from_fn(|i| self.nodes.get(l * LANES + i).map_or(0.0, |&alpha| f(alpha) as f32))))
+    }
+
     /// How much the choice of a way on counts each part: what it carries, as far as is known, but never so little that what it does carry comes in
     /// few samples that weigh much.
     fn weights(&self) -> [f64; 4] {
@@ -156,8 +161,11 @@ pub(super) struct Tagging<'a, const L: usize> {
 /// Scattering at a known surface, or at the unknown.
 pub(super) enum Surface<'a, const L: usize> {
     Known(Bsdf),
-    Unknown { shape: Bsdf, pattern: Rgb, unknown: &'a Rough, polish: Option<Box<Polish>>, drawn: Drawn<L> },
+    Unknown { shape: Bsdf, pattern: Rgb, unknown: &'a Rough, polish: Option<Box<Polish>>, repeated: Repeated<L>, drawn: Drawn<L> },
 }
+
+/// How many times as dense as the lobe of each node the [`Rules::single`] samples of it are, where those gather indirect light.
+type Repeated<const L: usize> = Option<Box<Nodes<L>>>;
 
 /// What is special where the unknown is polished.
 pub(super) struct Polish {
@@ -176,7 +184,7 @@ const LEAST_SHARE: f64 = 0.1;
 
 impl<const L: usize> Tagging<'_, L> {
     /// A part's value at a direction, without its coefficient, and the density with which its samples are drawn there.
-    pub(super) fn shape(&self, shape: &Bsdf, part: Part, wi: Vec3, arriving: Arriving) -> (Nodes<L>, f64) {
+    pub(super) fn shape(&self, shape: &Bsdf, repeated: &Repeated<L>, part: Part, wi: Vec3, arriving: Arriving) -> (Nodes<L>, f64) {
         let polished = self.unknown.mirror.is_some();
         if part.diffuse() {
             let lambert = wi.z.abs() / PI;
@@ -195,26 +203,37 @@ impl<const L: usize> Tagging<'_, L> {
             Arriving::Indirect => 0.0,
         };
         if part == Part::SpecularReflection {
-            return self.reflection(shape, wi, arriving, self.unknown.lobes.at(shape.viewer() + wi, widened as f32));
+            return self.reflection(shape, repeated, wi, arriving, self.unknown.lobes.at(shape.viewer() + wi, widened as f32));
         }
         let at = |alpha: Alpha| lobe::transmission_pdf(alpha, shape.straight(), wi);
-        let nodes = |f: &dyn Fn(Alpha) -> f64| {
-            std::array::from_fn(|l| {
-                f32x8::from(std::array::from_fn(|i| self.unknown.nodes.get(l * LANES + i).map_or(0.0, |&alpha| f(alpha) as f32)))
-            })
-        };
-        let values: Nodes<L> = match arriving {
-            Arriving::Lamp(_) => nodes(&|alpha| lobe::transmission(alpha.map(|a| a + widened), shape.straight(), shape.viewer(), wi)),
-            Arriving::Indirect => nodes(&at),
+        let values = match arriving {
+            Arriving::Lamp(_) => {
+                self.unknown.at_nodes(|alpha| lobe::transmission(alpha.map(|a| a + widened), shape.straight(), shape.viewer(), wi))
+            }
+            Arriving::Indirect => self.unknown.at_nodes(at),
         };
         (values, self.unknown.proposals.iter().map(|&alpha| at(alpha)).sum())
     }
 
     /// The same of the reflected lobe, where its densities are known.
-    fn reflection(&self, shape: &Bsdf, wi: Vec3, arriving: Arriving, Gaussians { nodes, proposed }: Gaussians<L>) -> (Nodes<L>, f64) {
-        let tilt = if arriving == Arriving::Indirect { shape.tilt(wi) } else { 1.0 };
-        let scale = (tilt * lobe::beside_gaussian(self.rules.lobe, shape.viewer(), wi)) as f32;
-        (nodes.map(|n| n * scale), proposed * lobe::density_beside_gaussian(shape.viewer() + wi))
+    fn reflection(
+        &self,
+        shape: &Bsdf,
+        repeated: &Repeated<L>,
+        wi: Vec3,
+        arriving: Arriving,
+        Gaussians { nodes, proposed }: Gaussians<L>,
+    ) -> (Nodes<L>, f64) {
+        let density = lobe::density_beside_gaussian(shape.viewer() + wi);
+        let nodes = match repeated {
+            Some(repeated) if arriving == Arriving::Indirect => std::array::from_fn(|l| nodes[l] * repeated[l] * density as f32),
+            _ => {
+                let tilt = if arriving == Arriving::Indirect { shape.tilt(wi) } else { 1.0 };
+                let scale = (tilt * lobe::beside_gaussian(self.rules.lobe, shape.viewer(), wi)) as f32;
+                nodes.map(|n| n * scale)
+            }
+        };
+        (nodes, proposed * density)
     }
 
     /// The first term of a throughput, after meeting a part of the unknown that makes `lobes` of it at each group of nodes.
@@ -293,13 +312,14 @@ impl<'a, const L: usize> Transport for Tagging<'a, L> {
         }
         let shape = layer.bsdf(rules);
         let polish = self.unknown.mirror.is_some().then(|| Box::new(self.unknown.polish(&shape, &layer.point, rules)));
-        Surface::Unknown { shape, pattern: layer.pattern, unknown: self.unknown, polish, drawn: Drawn::NONE }
+        let repeated = rules.single().then(|| Box::new(self.unknown.at_nodes(|alpha| shape.repeated(alpha))));
+        Surface::Unknown { shape, pattern: layer.pattern, unknown: self.unknown, polish, repeated, drawn: Drawn::NONE }
     }
 
     fn aimed(&self, beta: &Beta<L>, surface: &Surface<L>, wi: Vec3, arriving: Arriving, pdf: f64, counts: &[f64; 4]) -> Beta<L> {
         match surface {
             Surface::Known(bsdf) => self.known(beta, bsdf, wi, arriving, &bsdf.balance(wi, arriving, pdf, counts)),
-            Surface::Unknown { shape, .. } => {
+            Surface::Unknown { shape, repeated, .. } => {
                 let mut next = Beta { terms: [None; 2] };
                 let asked = |part: &Part| match arriving {
                     Arriving::Indirect => counts[*part as usize] > 0.0 && shape.admits(*part, wi),
@@ -309,7 +329,7 @@ impl<'a, const L: usize> Transport for Tagging<'a, L> {
                 let asked = Part::ALL.into_iter().filter(asked);
                 for (slot, part) in next.terms.iter_mut().zip(asked) {
                     let count = counts[part as usize];
-                    let (values, density) = self.shape(shape, part, wi, arriving);
+                    let (values, density) = self.shape(shape, repeated, part, wi, arriving);
                     // What does not pass is not drawn.
                     let drawn = if shape.admits(part, wi) { count * density } else { 0.0 };
                     let scale = (1.0 / (pdf + drawn)) as f32;
@@ -326,10 +346,10 @@ impl<'a, const L: usize> Transport for Tagging<'a, L> {
                 let density = count * bsdf.pdf(part, wi);
                 (self.known(beta, bsdf, wi, Arriving::Indirect, &part.alone(1.0 / density)), density)
             }
-            Surface::Unknown { shape, drawn, .. } => {
+            Surface::Unknown { shape, repeated, drawn, .. } => {
                 let (values, density) = match part {
-                    Part::SpecularReflection => self.reflection(shape, wi, Arriving::Indirect, drawn.last),
-                    _ => self.shape(shape, part, wi, Arriving::Indirect),
+                    Part::SpecularReflection => self.reflection(shape, repeated, wi, Arriving::Indirect, drawn.last),
+                    _ => self.shape(shape, repeated, part, wi, Arriving::Indirect),
                 };
                 let density = count * density;
                 let scale = (1.0 / density) as f32;

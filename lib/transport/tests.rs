@@ -126,7 +126,7 @@ impl Densities for rough::Tagging<'_, 1> {
     fn density(&self, surface: &Self::Surface, part: Part, wi: Vec3) -> f64 {
         match surface {
             rough::Surface::Known(bsdf) => bsdf.pdf(part, wi),
-            rough::Surface::Unknown { shape, .. } => self.shape(shape, part, wi, Arriving::Indirect).1,
+            rough::Surface::Unknown { shape, repeated, .. } => self.shape(shape, repeated, part, wi, Arriving::Indirect).1,
         }
     }
 }
@@ -217,10 +217,12 @@ fn plain<'c, T: Columns>(world: &World, rules: &Rules, picture: &'c mut [Told; 1
     follow(world, rules, &lens, SEED, picture.iter_mut().enumerate().map(piece), Some(&mixture), transport);
 }
 
-/// Bases against renderings with five sets of numbers, at roughnesses that are nodes: lamps integrated, and by RADIANCE's rule.
+/// Bases against renderings with five sets of numbers, at roughnesses that are nodes: lamps integrated, by RADIANCE's rule, and by its single samples.
 fn check_rough(kind: Kind, name: &str, sets: [&[f64]; 5]) {
     check_rough_by(Rules { ambient_bounces: 3, ..Rules::default() }, kind, name, sets);
-    check_rough_by(Rules { ambient_bounces: 3, light_jitter: Some(0.3), ..Rules::default() }, kind, name, sets);
+    let by_radiances = Rules { ambient_bounces: 3, light_jitter: Some(0.3), ..Rules::default() };
+    check_rough_by(by_radiances.clone(), kind, name, sets);
+    check_rough_by(Rules { specular_sampling: Some(1.0), ..by_radiances }, kind, name, sets);
 }
 
 fn check_rough_by(rules: Rules, kind: Kind, name: &str, sets: [&[f64]; 5]) {

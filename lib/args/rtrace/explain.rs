@@ -5,7 +5,7 @@ use crate::color::Rgb;
 use crate::error::Result;
 use crate::rays::Space;
 use crate::rules::defaults::radiances;
-use crate::rules::{Rules, UNWEIGHTED};
+use crate::rules::{Rules, single};
 use std::fmt::Display;
 use std::fmt::Write;
 
@@ -86,7 +86,7 @@ impl Said {
         self.option("-ss", light.ss, |s| match s {
             0.0 => "rough surfaces reflect like mirrors".into(),
             s if s < 1.0 => "RADIANCE's unweighted sample of rough reflection, narrowed".into(),
-            s if s <= UNWEIGHTED => "RADIANCE's unweighted sample of rough reflection".into(),
+            s if single(s) => "RADIANCE's unweighted sample of rough reflection".into(),
             _ => "the rough lobe itself, which RADIANCE approaches with many samples".into(),
         });
         self.option("-dj", light.dj, |j| match (j, light.ds) {

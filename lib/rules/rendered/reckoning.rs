@@ -4,7 +4,7 @@ use super::release::offset_of_release;
 use super::{Command, PROGRAMS};
 use crate::color::Rgb;
 use crate::rad::Number;
-use crate::rules::{Rules, Ward};
+use crate::rules::{Rules, Ward, single};
 use std::f64::consts::PI;
 
 /// Of what light is reckoned with, what was typed: the header then does not count.
@@ -24,6 +24,8 @@ pub struct Typed {
     pub medium: bool,
     /// `-bv`.
     pub backs: bool,
+    /// `-ss`.
+    pub sampling: bool,
     /// `--ward`.
     pub lobe: bool,
     /// `--fresnel-offset`.
@@ -46,6 +48,8 @@ pub struct Reckoning {
     medium: Rgb,
     /// Whether backs of surfaces are there.
     backs: bool,
+    /// `-ss`, if rough reflection is that of [`Rules::single`] samples.
+    sampling: Option<f64>,
     /// The form of the rough reflection lobe.
     lobe: Ward,
     /// What the Fresnel term of polished surfaces is lowered by, if it is not as usual.
@@ -76,6 +80,7 @@ impl Reckoning {
             mirrors: count("-dr", mirrors),
             medium: command.color("-me").unwrap_or(default.extinction),
             backs: command.on("-bv"),
+            sampling: command.option("-ss").map(|(sampling, _)| sampling).filter(|s| single(*s)),
             lobe: if ours && command.word("--ward").is_some() { Ward::Original } else { default.lobe },
             fresnel_offset: command.given("--fresnel-offset").or_else(|| lines.filter_map(offset_of_release).last()),
         })
@@ -106,6 +111,9 @@ impl Reckoning {
         if !typed.backs {
             rules.back_visible = self.backs;
         }
+        if !typed.sampling {
+            rules.specular_sampling = self.sampling;
+        }
         if !typed.lobe {
             rules.lobe = self.lobe;
         }
@@ -128,6 +136,7 @@ impl Reckoning {
             (typed.medium, color("-me", self.medium)),
             (typed.mirrors, Some(format!("-dr {}", self.mirrors))),
             (typed.backs, (!self.backs).then(|| "-bv-".into())),
+            (typed.sampling, self.sampling.map(|sampling| number("-ss", sampling))),
             (typed.lobe, (self.lobe == Ward::Original).then(|| "--ward 1992".into())),
             (typed.jitter, lamp("-dj", rules.light_jitter)),
             (typed.division, lamp("-ds", Some(rules.light_division))),
@@ -140,11 +149,13 @@ impl Reckoning {
     /// What is to be said if light is reckoned with otherwise by these rules, in what a picture's brightness depends on.
     pub fn otherwise(&self, rules: &Rules) -> Option<String> {
         let color = |option: &str, color: Rgb| format!("{option} {} {} {}", Number(color.x), Number(color.y), Number(color.z));
+        let sampling = || self.sampling.map_or_else(|| "weighted rough samples".into(), |sampling| format!("-ss {}", Number(sampling)));
         let lobe = || if self.lobe == Ward::Original { "--ward 1992" } else { "RADIANCE's lobe" }.to_string();
         let all = [
             ("-ab", self.limit().unwrap_or_else(|| "all bounces".into()), rules.ambient_bounces != self.bounces),
             ("-av", color("-av", self.ambient), rules.ambient_value != self.ambient),
             ("-me", color("-me", self.medium), rules.extinction != self.medium),
+            ("-ss", sampling(), rules.single() != self.sampling.is_some()),
             ("--ward", lobe(), rules.lobe != self.lobe),
         ];
         let (options, said): (Vec<&str>, Vec<String>) =
@@ -212,8 +223,11 @@ mod tests {
         let typed = Typed { jitter: true, ..Typed::default() };
         assert!(!noted("rpict -ab 2 -ds .02 a.oct", typed).unwrap().contains("-ds 0.02"));
         assert!(note("rpict -ab 2 -ds .02 a.oct").unwrap().contains("-dj 0 -ds 0.0354, and"));
-        assert_eq!(note("rpict -ab 2 a.oct").unwrap(), "a.hdr was rendered by rpict with -ab 2 -dr 1 -dj 0 -ds 0.25, and so it is here");
-        assert!(note("rpict -ab 2 -av .1 .2 .3 -dj 1 a.oct").unwrap().contains("with -ab 2 -av 0.1 0.2 0.3 -dr 1 -dj 1 "));
+        assert_eq!(
+            note("rpict -ab 2 a.oct").unwrap(),
+            "a.hdr was rendered by rpict with -ab 2 -dr 1 -ss 1 -dj 0 -ds 0.25, and so it is here"
+        );
+        assert!(note("rpict -ab 2 -av .1 .2 .3 -dj 1 a.oct").unwrap().contains("with -ab 2 -av 0.1 0.2 0.3 -dr 1 -ss 1 -dj 1 "));
         assert!(note("rtrace-rs -me .1 .1 .1 --ward 1992 a.rad").unwrap().contains("with -me 0.1 0.1 0.1 -dr 2 --ward 1992, "));
     }
 
@@ -238,6 +252,17 @@ mod tests {
     }
 
     #[test]
+    fn single_samples_are_those_of_the_header() {
+        let single = |line: &str, typed: Typed| Reckoning::of([line].into_iter()).unwrap().taken_into(Rules::default(), typed).single();
+        let default = Typed::default();
+        assert!(single("rpict a.oct", default) && single("rtrace -ss 1.5 a.oct", default) && single("rtrace-rs -ss 1 a.rad", default));
+        for line in ["rpict -ss 2 a.oct", "rpict -ss .5 a.oct", "rtrace-rs a.rad"] {
+            assert!(!single(line, default), "{line}");
+        }
+        assert!(!single("rpict a.oct", Typed { sampling: true, ..default }));
+    }
+
+    #[test]
     fn what_stands_for_the_bounces_left_out_is_that_of_the_header() {
         let value = |line: &str, ambient: bool| {
             let rules = Rules { ambient_value: Rgb::ONE, ..Rules::default() };
@@ -253,8 +278,9 @@ mod tests {
     #[test]
     fn light_that_bounces_otherwise_is_told() {
         let said = |line: &str, bounces: u32| {
-            let rules = Rules { ambient_bounces: bounces, ..Rules::default() };
-            Reckoning::of([line].into_iter()).and_then(|reckoning| reckoning.otherwise(&rules)).unwrap_or_default()
+            let reckoning = Reckoning::of([line].into_iter()).unwrap();
+            let rules = Rules { ambient_bounces: bounces, ..reckoning.taken_into(Rules::default(), Typed::default()) };
+            reckoning.otherwise(&rules).unwrap_or_default()
         };
         assert_eq!(said("rpict -ab 2 a.oct", 2), "");
         assert!(said("rpict -ab 2 a.oct", 3).ends_with("by rpict with -ab 2, and here light is reckoned with otherwise: leave -ab out"));
@@ -262,7 +288,10 @@ mod tests {
         assert!(said("rtrace-rs a.rad", 2).contains("with all bounces, and here"));
         let other = Rules { ambient_bounces: 2, extinction: Rgb::ONE, lobe: Ward::Original, ..Rules::default() };
         let said = Reckoning::of(["rpict -ab 2 a.oct"].into_iter()).unwrap().otherwise(&other).unwrap();
-        assert!(said.contains("with -me 0 0 0, RADIANCE's lobe, and here") && said.ends_with("leave -me, --ward out"), "{said}");
+        assert!(
+            said.contains("with -me 0 0 0, -ss 1, RADIANCE's lobe, and here") && said.ends_with("leave -me, -ss, --ward out"),
+            "{said}"
+        );
     }
 
     #[test]

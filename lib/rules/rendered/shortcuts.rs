@@ -1,7 +1,6 @@
 //! What a renderer left out or guessed of the light in its picture.
 
 use super::{Command, PROGRAMS};
-use crate::rules::UNWEIGHTED;
 
 /// From this `-ss` on, more is missing than by other choices.
 const SEVERAL: f64 = 3.0;
@@ -9,8 +8,7 @@ const SEVERAL: f64 = 3.0;
 const HEAVY: f64 = 0.01;
 
 /// What the last renderer in a picture's header changed of the light of a scene with so many lamps: a sentence each. Of rough reflection
-/// only if something rough is sought, whose specularity may be as small as `least`. By how much, `rpict` told: of a metal ball in light from everywhere,
-/// `-st 0 -ab 1` with `-ss 1` and `-ss 8`; of metal of roughness .1 opposite a window before a wall, the same with `-ss 2`, `8` and `16`; of a floor in a room, `-ab 2 -ad 1024` with `-aa .1` and `-aa 0`; of a shade with one lamp in it and three
+/// only if something rough is sought, whose specularity may be as small as `least`. By how much, `rpict` told: of metal of roughness .1 opposite a window before a wall, the same with `-ss 2`, `8` and `16`; of a floor in a room, `-ab 2 -ad 1024` with `-aa .1` and `-aa 0`; of a shade with one lamp in it and three
 /// beside, `-dt .05` and `-dt 0`.
 pub fn shortcuts<'a>(lines: impl IntoIterator<Item = &'a str>, least: Option<f64>, lamps: usize) -> Vec<String> {
     let Some(command) = Command::last(lines, &PROGRAMS) else { return vec![] };
@@ -26,9 +24,7 @@ pub fn shortcuts<'a>(lines: impl IntoIterator<Item = &'a str>, least: Option<f64
         }
         match command.option("-ss") {
             Some((0.0, ss)) => say(ss, "rough surfaces reflect like mirrors there", "-ss 2"),
-            Some((sampling, ss)) if sampling <= UNWEIGHTED => {
-                say(ss, "rough surfaces reflect too much there, 3 % at a roughness of .1 and 8 % at .2", "-ss 2");
-            }
+            Some((sampling, ss)) if sampling < 1.0 => say(ss, "rough surfaces reflect too sharply there", "-ss 2"),
             Some((sampling, ss)) if sampling >= SEVERAL && lamps > 0 && !command.is_ours() => {
                 say(
                     ss,
@@ -93,8 +89,8 @@ mod tests {
         assert!(said(&["rpict -st 0 -ss 2 -ab 1 -aa 0 -dt 0 a.oct"], 0.0, 2).is_empty());
         assert!(said(&["rtrace-rs -ab 2", "SOFTWARE= RADIANCE rtrace, -st .15"], 0.0, 2).is_empty());
         let defaults = said(&["/usr/bin/rpict -ab 1 -vf a.vf a.oct", "\tpfilt -x /2"], 0.0, 2);
-        assert_eq!(defaults.len(), 4);
-        for (said, option) in defaults.iter().zip(["-st 0.15", "-ss 1", "-aa 0.2", "-dt 0.05"]) {
+        assert_eq!(defaults.len(), 3);
+        for (said, option) in defaults.iter().zip(["-st 0.15", "-aa 0.2", "-dt 0.05"]) {
             assert!(said.starts_with(&format!("the target was rendered by rpict with {option}, its default: ")), "{said}");
         }
         let [only] = &said(&["rtrace -st .3 -ss 0 -st .1 a.oct"], 0.2, 1)[..] else { panic!() };
@@ -104,7 +100,9 @@ mod tests {
         let lost = |lamps| said(&["rpict -st 0 -ss 8 -dt 0 a.oct"], 0.0, lamps);
         assert!(lost(0).is_empty() && lost(1)[0].contains("miss light there"), "{:?}", lost(1));
         assert!(said(&["rtrace-rs -ab 2 -aa .2 -dt .05 -aw 16 a.rad"], 0.0, 2).is_empty());
-        for (option, harm) in [("-ss 1", "too much"), ("-st 0.15", "too small"), ("-lw 0.5", "left out"), ("-lr 4 -lw 0.5", "left out")] {
+        for (option, harm) in
+            [("-ss 0.5", "too sharply"), ("-st 0.15", "too small"), ("-lw 0.5", "left out"), ("-lr 4 -lw 0.5", "left out")]
+        {
             let [only] = &said(&[&format!("rtrace-rs {option} a.rad")], 0.0, 2)[..] else { panic!("{option}") };
             assert!(only.contains(harm), "{only}");
         }
