@@ -454,8 +454,8 @@ impl Bsdf {
         }
     }
 
-    /// One sample of a rough lobe by RADIANCE's rule (`-ss` below 1, which narrows the lobe, or at 0 makes it a mirror): a local direction that carries
-    /// the whole colour of the lobe, as it is accepted within so many tries.
+    /// One sample of a rough lobe by RADIANCE's rule: a local direction that carries the whole colour of the lobe, as it is accepted within so many tries.
+    /// Below 1, `-ss` narrows the lobe; at 0 it is a mirror.
     pub fn unweighted(&self, part: Part, spread: f64, sampler: &mut Sampler) -> Option<(Vec3, Rgb)> {
         let lobe = self.lobes[part.side()].filter(|l| l.gathers)?;
         let color = lobe.color;

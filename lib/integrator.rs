@@ -113,6 +113,11 @@ pub trait Scattering {
     /// The material at the point; for an unknown one, a stand-in with the same frame.
     fn bsdf(&self) -> &Bsdf;
 
+    /// Whether the material is known, so that RADIANCE's single samples of its rough parts can be drawn as RADIANCE draws them.
+    fn is_known(&self) -> bool {
+        true
+    }
+
     /// Directions scattered into alone.
     fn deltas(&self) -> &[Option<Delta>; 2] {
         &self.bsdf().deltas

@@ -116,10 +116,11 @@ impl Lamp {
         self.lights(from, sample.distance).then_some(self.focused(sample, self.measured(from, sample.distance)))
     }
 
-    /// How far RADIANCE takes a point of it to be that is so far away from `from`: as far as its samples are, which for a sphere is its centre.
+    /// How far RADIANCE takes a point of it to be that is so far away from `from`: as far as its samples are, which for a sphere is its centre;
+    /// for a distant lamp infinitely far.
     fn measured(&self, from: Vec3, distance: f64) -> f64 {
         match self.extent.facing {
-            Facing::All => self.extent.center.distance(from),
+            Facing::All if distance < f64::INFINITY => self.extent.center.distance(from),
             _ => distance,
         }
     }

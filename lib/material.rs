@@ -211,8 +211,11 @@ impl Material {
             "glow" => Self::Glow(a.rgb(0), a.real(3)),
             "spotlight" => {
                 let aim = Vec3::new(a.real(4), a.real(5), a.real(6));
-                if aim == Vec3::ZERO {
-                    return Err(primitive.real_error(4, "the aim of a spotlight must not be zero"));
+                if aim.try_normalize().is_none() {
+                    return Err(primitive.real_error(
+                        4,
+                        "the aim of a spotlight must be a direction, not of the length 0, nor out of the range of numbers",
+                    ));
                 }
                 Self::Spotlight(a.rgb(0), one_minus_cos(a.real(3).to_radians() / 2.0), aim)
             }

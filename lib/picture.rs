@@ -54,6 +54,24 @@ pub enum Format {
     Xyz,
 }
 
+/// The lines of a header without those of the second and further of the pictures that one was made of: each has its name, and what it says further in.
+fn first_of_each<'a>(lines: &[&'a str]) -> Vec<&'a str> {
+    let (mut told, mut rest, mut first) = (Vec::new(), lines, true);
+    while let [line, after @ ..] = rest {
+        let within = after.iter().take_while(|line| line.starts_with('\t')).count();
+        let is_name = line.ends_with(':');
+        if !is_name {
+            told.push(*line);
+        }
+        if first || !is_name {
+            let inner: Vec<&str> = after[..within].iter().map(|line| &line[1..]).collect();
+            told.extend(first_of_each(&inner));
+        }
+        (rest, first) = (&after[within..], !is_name);
+    }
+    told
+}
+
 /// The words of a command line in a header, the program without its path.
 pub fn command_words(line: &str) -> Vec<&str> {
     let mut words: Vec<&str> = line.split_whitespace().collect();
@@ -90,6 +108,11 @@ impl Header {
         if !line.is_empty() && !line.starts_with("FORMAT=") {
             self.lines.push(line.replace(['\n', '\r', '\0'], " "));
         }
+    }
+
+    /// What became of the picture, line by line: of several that were put together, as pcomb does, of the first.
+    pub fn trail(&self) -> Vec<&str> {
+        first_of_each(&self.lines.iter().map(String::as_str).collect::<Vec<_>>())
     }
 
     /// The values of all lines `NAME=value` that begin at the margin.
@@ -292,6 +315,20 @@ fn numbers<const N: usize>(text: &str) -> Option<[f64; N]> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn of_pictures_that_were_put_together_the_first_is_told() {
+        let told = |text: &str| {
+            let header = Header { lines: text.lines().map(String::from).collect(), ..Header::default() };
+            header.trail().join("|")
+        };
+        let inner = "a.hdr:\n\tb.hdr:\n\t\trpict -ab 1\n\tc.hdr:\n\t\trpict -ab 2\n\tpcomb b.hdr c.hdr\n";
+        let combined = format!("{inner}mask.hdr:\n\trpict\npcomb a.hdr mask.hdr\nVIEW= -vtv");
+        assert_eq!(told(&combined), "rpict -ab 1|pcomb b.hdr c.hdr|pcomb a.hdr mask.hdr|VIEW= -vtv");
+        // A photograph says nothing, whatever it was put together with.
+        assert_eq!(told("a.hdr:\nmask.hdr:\n\trpict\npcomb a.hdr mask.hdr"), "pcomb a.hdr mask.hdr");
+        assert_eq!(told("rpict -ab 2\n\tpfilt -x /2\npfilt -r .6"), "rpict -ab 2|pfilt -x /2|pfilt -r .6");
+    }
 
     #[test]
     fn exposures_multiply_and_indented_lines_do_not_count() {

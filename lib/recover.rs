@@ -332,7 +332,7 @@ impl Evidence<'_> {
     }
 
     fn shows(&self, n: usize, at: [f64; 2], material: MaterialId) -> bool {
-        self.film.lens()(n, at).is_some_and(|(origin, direction, _)| self.world.shows(&Ray { origin, direction }, material))
+        self.film.lens()(n, at).is_some_and(|(origin, direction, limit)| self.world.shows(&Ray { origin, direction }, limit, material))
     }
 }
 

@@ -16,7 +16,8 @@ pub struct Rules {
     pub ambient_bounces: u32,
     /// `-av`: the radiance that stands for what the bounces left out.
     pub ambient_value: Rgb,
-    /// `-lr`: limit of reflections. Positive: a hard limit. Negative: its absolute value is a limit and below `limit_weight` roulette decides.
+    /// `-lr`: limit of reflections. Positive: a hard limit, as `limit_weight` is then. Negative: its absolute value is a limit and below
+    /// `limit_weight` roulette decides.
     pub limit_reflections: Option<i32>,
     /// `-lw`: the smallest weight of a ray.
     pub limit_weight: Option<f64>,
@@ -72,6 +73,11 @@ pub enum Ward {
 /// RADIANCE's constant since June 2026; it makes the term vanish at normal incidence. Releases from March 2023 to 6.0.2 have .00202943064.
 pub const FRESNEL_OFFSET: f64 = 0.00287989916;
 
+/// Whether the term is one, lowered by this.
+pub fn lowers_fresnel(offset: f64) -> bool {
+    (0.0..=0.1).contains(&offset)
+}
+
 /// Whether rough reflection is a single unweighted sample of the whole lobe by this `-ss`: below, the lobe is narrower, and above, samples are weighted.
 pub fn single(sampling: f64) -> bool {
     (1.0..=1.5).contains(&sampling)
@@ -104,7 +110,7 @@ impl Default for Rules {
 impl Rules {
     /// Whether RADIANCE's limits hold, rather than a roulette that leaves no bias.
     pub fn limited(&self) -> bool {
-        self.limit_weight.is_some() || self.limit_reflections.is_some()
+        self.limit_weight.is_some() || self.limit_reflections.is_some_and(|most| most > 0)
     }
 
     /// Whether rough reflection is that of RADIANCE's single samples from the whole lobe, which are not weighted.

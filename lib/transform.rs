@@ -55,7 +55,7 @@ impl Transform {
             at += 1 + count;
         }
         let whole = done.then(&part.repeated(repeat));
-        if !(whole.affine.is_finite() && whole.scale.is_finite() && whole.scale > 0.0) {
+        if !(whole.affine.is_finite() && whole.scale.powi(3).is_normal() && whole.scale > 0.0) {
             return Err(Error::new("the transform leaves the range of numbers; check its `-s`, `-t` and `-i`"));
         }
         Ok((whole, at))

@@ -147,28 +147,30 @@ impl World {
         self.accel.nearest_each(rays.into_iter().map(|(ray, limit)| (ray, [self.epsilon(ray.origin), limit])), found);
     }
 
-    /// Whether what a ray shows is made of a material: what it meets first, but for panes of glass, which it looks through, and mirrors, which
-    /// it looks into.
-    pub fn shows(&self, ray: &Ray, material: MaterialId) -> bool {
-        self.shown(ray, material).is_some()
+    /// Whether what a ray that goes so far shows is made of a material: what it meets first, but for panes of glass, which it looks through, and mirrors,
+    /// which it looks into.
+    pub fn shows(&self, ray: &Ray, limit: f64, material: MaterialId) -> bool {
+        self.shown(ray, limit, material).is_some()
     }
 
     /// The rest of a ray, straight on, from where it shows a material; `None` if it does not.
     pub fn behind(&self, ray: &Ray, material: MaterialId) -> Option<Ray> {
-        self.shown(ray, material).map(|(rest, _)| rest)
+        self.shown(ray, f64::INFINITY, material).map(|(rest, _)| rest)
     }
 
     /// That, and the normal of what it shows there.
-    pub fn shown(&self, ray: &Ray, material: MaterialId) -> Option<(Ray, Vec3)> {
-        let mut ray = *ray;
+    pub fn shown(&self, ray: &Ray, limit: f64, material: MaterialId) -> Option<(Ray, Vec3)> {
+        let (mut ray, mut left) = (*ray, limit);
         for _ in 0..MOST_PANES {
-            let hit = self.nearest(&ray, f64::INFINITY)?;
+            let hit = self.nearest(&ray, left)?;
             let mut ends = Vec::new();
             self.ends(self.find(&hit).chain, &mut ends);
             if ends.contains(&Some(material)) {
                 return Some((Ray::new(hit.point, ray.direction), hit.normal));
             }
             let direction = ends.iter().find_map(|end| self.onward(*end, ray.direction, hit.normal))?;
+            // What is seen in a mirror may lie anywhere, as in RADIANCE.
+            left = if direction == ray.direction { left - hit.t } else { f64::INFINITY };
             ray = Ray::new(hit.point, direction);
         }
         None
@@ -412,7 +414,7 @@ impl World {
 impl Source {
     /// The angle from its middle to its rim, radians.
     fn half(&self) -> f64 {
-        (1.0 - self.spread).clamp(-1.0, 1.0).acos()
+        2.0 * (0.5 * self.spread).clamp(0.0, 1.0).sqrt().asin()
     }
 
     /// Whether the direction lies in its cone.

@@ -81,6 +81,20 @@ fn single_samples_reflect_what_those_of_radiance_do() {
 }
 
 #[test]
+fn a_distant_spotlight_lights_all_places_alike() {
+    // Its cone is wider than it is, so that it lights as a light does: 1000 · 2π(1 − cos 1°) · .5/π on a floor of .5.
+    let scene =
+        |kind: &str| format!("void {kind}\nl source s 0 0 4 0 0 1 2\nvoid plastic p 0 0 5 .5 .5 .5 0 0\np ring r 0 0 8 0 0 0 0 0 1 0 9\n");
+    let spotlight = scene("spotlight l 0 0 7 1000 1000 1000 30 0 0 -5");
+    let wanted = 1000.0 * (1.0 - 1f64.to_radians().cos());
+    for options in [&["--error", "1e-4"][..], &["-dj", "0"]] {
+        for row in answers(&spotlight, options, &(ray(0.0, 0.0, 30.0) + &ray(5.0, 3.0, 30.0))) {
+            assert!((row[0] - wanted).abs() < 1e-3 * wanted, "{options:?}: {} instead of {wanted}", row[0]);
+        }
+    }
+}
+
+#[test]
 fn plastic_and_metal_reflect_no_more_than_they_get() {
     let mut numbers = Numbers(1);
     let mut pick = |bounds: [f64; 3]| match numbers.next() {

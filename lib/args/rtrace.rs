@@ -19,7 +19,7 @@ use crate::picture::PRIMARIES;
 use crate::rays::Space;
 use crate::render::Filter;
 use crate::rules::defaults::SIZE;
-use crate::rules::{Field, Rules, Ward};
+use crate::rules::{Field, Rules, Ward, lowers_fresnel};
 use clap::ArgAction;
 use std::collections::HashSet;
 use std::path::PathBuf;
@@ -387,6 +387,9 @@ impl Light {
         }
         if let Some(bad) = self.dj.filter(|dj| !(0.0..=1.0).contains(dj)) {
             return Err(Error::new(format!("-dj must be from 0 to 1, not {bad}")));
+        }
+        if let Some(bad) = self.fresnel_offset.filter(|offset| !lowers_fresnel(*offset)) {
+            return Err(Error::new(format!("--fresnel-offset must be from 0 to .1, not {bad}")));
         }
         if self.lw == Some(0.0) && self.lr.is_none_or(|lr| lr <= 0) {
             return Err(Error::new("-lw 0 leaves nothing for roulette to go by; give -lr above 0, or -lw above 0"));

@@ -95,12 +95,18 @@ const AOVS: [&str; 5] = ["normal", "depth", "albedo", "direct", "indirect"];
 
 /// The names of other pictures in a list with commas.
 pub fn aovs(list: &str) -> Result<Vec<&'static str>> {
-    list.split(',')
-        .map(|name| {
-            let known = AOVS.into_iter().find(|known| *known == name.trim());
-            known.ok_or_else(|| Error::new(format!("--aov {list}: there is no `{name}`; name some of {}", AOVS.join(","))))
-        })
-        .collect()
+    let mut names = Vec::new();
+    for name in list.split(',') {
+        let known = AOVS.into_iter().find(|known| *known == name.trim());
+        match known {
+            Some(known) if names.contains(&known) => {
+                return Err(Error::new(format!("--aov {list}: `{known}` is there twice; name it once")));
+            }
+            Some(known) => names.push(known),
+            None => return Err(Error::new(format!("--aov {list}: there is no `{name}`; name some of {}", AOVS.join(",")))),
+        }
+    }
+    Ok(names)
 }
 
 /// Those pictures, as planes.

@@ -31,7 +31,7 @@ pub fn of_rendering(target: &Picture, unknown: &Unknown, typed: &Light, lamps: u
         let lowest: Vec<f64> = unknown.bounds().iter().map(|bound| bound.0).collect();
         unknown.reals(&lowest)[spec]
     });
-    let lines = || target.header.lines.iter().map(String::as_str);
+    let lines = || target.header.trail();
     let chosen = [&typed.ae, &typed.ai, &typed.ae_files, &typed.ai_files].iter().any(|names| !names.is_empty());
     otherwise(lines(), chosen).into_iter().chain(shortcuts(lines(), least, lamps)).collect()
 }
@@ -54,7 +54,7 @@ fn misshapen(name: &str, target: &Picture, film: &Film) -> Option<String> {
 /// Of a rendering that pfilt made smaller by a number of times that its rows or columns are no multiple of: it leaves some out, and the others are not
 /// where they seem to be.
 fn cut_off(target: &Picture, film: &Film) -> Option<String> {
-    let ([x, y, aspect], times) = reduced(target.header.lines.iter().map(String::as_str))?;
+    let ([x, y, aspect], times) = reduced(target.header.trail())?;
     let (width, height) = film.camera.resolution(x as usize, y as usize, aspect);
     let left = [("columns", width, target.width), ("rows", height, target.height)].into_iter().find(|(_, from, to)| {
         let over = from.abs_diff(to.saturating_mul(times));

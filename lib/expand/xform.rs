@@ -203,12 +203,8 @@ impl Copy {
             "source" => each(reals, 0..3, |v| t.vector(v)),
             "glow" => scale(reals, 3.., t.scale),
             "spotlight" => each(reals, 4..7, |v| t.vector(v)),
-            "dielectric" => reals.iter_mut().take(3).for_each(|x| *x = x.powf(1.0 / t.scale)),
-            "interface" => [0, 1, 2, 4, 5, 6].iter().for_each(|&i| {
-                if let Some(x) = reals.get_mut(i) {
-                    *x = x.powf(1.0 / t.scale);
-                }
-            }),
+            "dielectric" => pass(reals, 0..3, t.scale),
+            "interface" => [0..3, 4..7].into_iter().for_each(|media| pass(reals, media, t.scale)),
             "mist" => {
                 scale(reals, 0..3, 1.0 / t.scale);
                 // The strings name light sources, which are surfaces; those of a relay are joined by `>`.
@@ -259,4 +255,9 @@ fn each(reals: &mut [f64], range: impl std::slice::SliceIndex<[f64], Output = [f
 /// Multiplies the real arguments `range`.
 fn scale(reals: &mut [f64], range: impl std::slice::SliceIndex<[f64], Output = [f64]>, factor: f64) {
     reals.get_mut(range).unwrap_or_default().iter_mut().for_each(|x| *x *= factor);
+}
+
+/// Of what a unit of a medium lets pass, what one lets pass that is so many times as long.
+fn pass(reals: &mut [f64], range: impl std::slice::SliceIndex<[f64], Output = [f64]>, scale: f64) {
+    reals.get_mut(range).unwrap_or_default().iter_mut().for_each(|x| *x = x.max(0.0).powf(1.0 / scale));
 }

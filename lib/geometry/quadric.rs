@@ -100,8 +100,13 @@ impl Cone {
         let (height, climb) = (from.dot(self.axis), ray.direction.dot(self.axis));
         let (p, d) = (from - self.axis * height, ray.direction - self.axis * climb);
         let (r, s) = (self.radii[0] + self.slope() * height, self.slope() * climb);
-        let (a, b, c) = (d.length_squared() - s * s, p.dot(d) - r * s, p.length_squared() - r * r);
-        nearest(quadratic(a, b, c)?, t_min, t_max, |t| (0.0..=self.length).contains(&(height + t * climb)))
+        // From where the ray is nearest to the axis, lest large squares cancel.
+        let across = d.length_squared();
+        let start = if across > 0.0 { -p.dot(d) / across } else { 0.0 };
+        let (p, r) = (p + d * start, r + s * start);
+        let (a, b, c) = (across - s * s, p.dot(d) - r * s, p.length_squared() - r * r);
+        let roots = quadratic(a, b, c)?.map(|t| start + t);
+        nearest(roots, t_min, t_max, |t| (0.0..=self.length).contains(&(height + t * climb)))
     }
 
     /// The unit normal at a point of the surface, on the front.

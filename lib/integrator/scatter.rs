@@ -2,9 +2,10 @@
 
 use super::unhidden::Unhidden;
 use super::{EXACT_ROULETTE, Integrator, Kind, MANY, PATIENCE, Path, ROULETTE, Scattered, Scattering, Segment, Transport};
-use crate::bsdf::{Arriving, Bsdf, Delta, Part, lobe};
+use crate::bsdf::{Arriving, Delta, Part, lobe};
 use crate::color::Rgb;
 use crate::geometry::Ray;
+use crate::rules::single;
 use crate::sampling::Sampler;
 use crate::vector::Vec3;
 use crate::world::{Emitter, Layer};
@@ -111,7 +112,7 @@ impl<B: Clone> Integrator<'_, B> {
         let pools = if self.world.has_pools() { POOLS } else { 0.0 };
         for part in Part::ALL {
             let k = part as usize;
-            if ways.weights[k] > 0.0 && self.spread(part, surface.bsdf()).is_none() {
+            if ways.weights[k] > 0.0 && self.spread(part, surface).is_none() {
                 (ways.counts[k], ways.pools[k]) = if vertex.exact {
                     (1.0, f64::from(self.world.has_pools()))
                 } else {
@@ -149,11 +150,16 @@ impl<B: Clone> Integrator<'_, B> {
     }
 
     /// The narrowing of a lobe that RADIANCE's unweighted rule samples; `None` where the lobe itself is integrated.
-    fn spread(&self, part: Part, bsdf: &Bsdf) -> Option<f64> {
-        if bsdf.is_unweighted(part) {
+    fn spread(&self, part: Part, surface: &impl Scattering) -> Option<f64> {
+        if surface.bsdf().is_unweighted(part) {
             return Some(self.rules.specular_sampling.map_or(1.0, |s| f64::from(s > 0.0)));
         }
-        self.rules.specular_sampling.filter(|s| !part.diffuse() && *s < 1.0)
+        let s = self.rules.specular_sampling.filter(|_| surface.is_known())?;
+        match part {
+            Part::SpecularReflection if s < 1.0 || single(s) => Some(s.min(1.0)),
+            Part::SpecularTransmission if s < 1.0 => Some(s),
+            _ => None,
+        }
     }
 
     /// Samples one part, and sends paths on.
@@ -169,7 +175,7 @@ impl<B: Clone> Integrator<'_, B> {
         let weight = self.factor(ways.weights[k], ways.share[2 + k]);
         let origin = vertex.at.ray.origin;
         let mut from = Scattered::from(origin);
-        if let Some(spread) = self.spread(part, vertex.surface.bsdf()) {
+        if let Some(spread) = self.spread(part, vertex.surface) {
             let mut sampler = vertex.sampler.fork();
             self.outcome.random |= spread > 0.0;
             vertex.exact &= spread == 0.0;

@@ -9,7 +9,7 @@ pub fn said(evidence: &Evidence, unknown: &Unknown, material: MaterialId) -> Opt
     if unknown.material().kind != "dielectric" {
         return None;
     }
-    let seen = |ray| evidence.world.shown(&ray, material).map(|(rest, normal)| rest.direction.dot(normal));
+    let seen = |ray| evidence.world.shown(&ray, f64::INFINITY, material).map(|(rest, normal)| rest.direction.dot(normal));
     let (back, front): (Vec<f64>, Vec<f64>) = evidence.film.some_rays().filter_map(seen).partition(|along| *along > 0.0);
     (back.len() > front.len()).then(|| {
         let name = &unknown.material().name;

@@ -4,7 +4,6 @@ use super::suns::Suns;
 use super::{Rendering, Task};
 use crate::bsdf::{Arriving, Bsdf, Delta, Part};
 use crate::color::Rgb;
-use crate::geometry::Ray;
 use crate::integrator::{Integrator, Kind, Radiance, Transport, Visit};
 use crate::material::Inside;
 use crate::rules::Rules;
@@ -66,10 +65,9 @@ pub fn features(task: &Task, rendering: &Rendering, stop: &(dyn Fn() -> bool + S
 pub fn coverage(task: &Task, materials: &[MaterialId]) -> Vec<f64> {
     let evenly = Suns::default();
     let shows = |number: usize, index: u32| {
-        task.sample(&evenly, number, 0, 0, index).sight.is_some_and(|((ray, limit), _)| {
-            let seen = |ray: &Ray| materials.iter().any(|&m| task.world.shows(ray, m));
-            task.world.nearest(&ray, limit).is_some() && seen(&ray)
-        })
+        task.sample(&evenly, number, 0, 0, index)
+            .sight
+            .is_some_and(|((ray, limit), _)| materials.iter().any(|&m| task.world.shows(&ray, limit, m)))
     };
     (0..task.count)
         .into_par_iter()

@@ -115,9 +115,9 @@ impl Setting<'_> {
     pub fn in_its_place(&self, reals: &[f64], world: &World, shows: MaterialId, film: &Film, pixels: &[usize]) -> Result<Picture> {
         let lens = film.lens();
         let (mut low, mut high, mut eye) = (Vec3::INFINITY, Vec3::NEG_INFINITY, Vec3::ZERO);
-        for (origin, direction, _) in pixels.iter().filter_map(|&n| lens(n, [0.5; 2])) {
+        for (origin, direction, limit) in pixels.iter().filter_map(|&n| lens(n, [0.5; 2])) {
             let ray = Ray { origin, direction };
-            if let Some((Ray { origin: point, .. }, _)) = world.shown(&ray, shows) {
+            if let Some((Ray { origin: point, .. }, _)) = world.shown(&ray, limit, shows) {
                 (low, high, eye) = (low.min(point), high.max(point), origin);
             }
         }

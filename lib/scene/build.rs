@@ -228,15 +228,17 @@ impl<'a> Builder<'a> {
         let chain = self.chain(modifier)?;
         primitive.complete_reals()?;
         let (direction, angle) = (Vec3::from_slice(&primitive.reals[..3]), primitive.reals[3]);
-        if !(direction.length() > 0.0) {
-            return Err(primitive.real_error(0, "the direction of a source must not be zero").into());
-        }
+        let Some(direction) = direction.try_normalize() else {
+            return Err(primitive
+                .real_error(0, "a source must have a direction, not of the length 0, nor out of the range of numbers")
+                .into());
+        };
         if !(angle > 0.0) {
             return Err(primitive.real_error(3, "the angle of a source must be above 0").into());
         }
         self.scene.sources.push(Distant {
             name: primitive.name.clone(),
-            direction: direction.normalize(),
+            direction,
             spread: one_minus_cos(angle.to_radians() / 2.0),
             chain,
         });

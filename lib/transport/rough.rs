@@ -438,6 +438,10 @@ impl<const L: usize> Scattering for Surface<'_, L> {
         }
     }
 
+    fn is_known(&self) -> bool {
+        matches!(self, Self::Known(_))
+    }
+
     fn deltas(&self) -> &[Option<Delta>; 2] {
         match self {
             Self::Known(bsdf) => &bsdf.deltas,

@@ -100,6 +100,9 @@ impl<S: Scattering> Scattering for Surface<S> {
     fn bsdf(&self) -> &Bsdf {
         self.guide.bsdf()
     }
+    fn is_known(&self) -> bool {
+        self.guide.is_known()
+    }
     fn deltas(&self) -> &[Option<Delta>; 2] {
         self.guide.deltas()
     }

@@ -48,11 +48,12 @@ fn run(args: Args, console: &Console) -> Outcome<Answer> {
         }
         rad::encode(&print(&args, flat))
     };
+    disk.spares(args.common.output.as_deref())?;
     Output::whole(args.common.output.as_deref(), &text)?;
     Ok(Answer::Yes)
 }
 
-/// Documents one after the other, each from the begin of a line.
+/// Documents one after the other, each at the beginning of a line.
 fn whole(documents: &[Document]) -> Vec<u8> {
     let mut bytes = Vec::new();
     for document in documents {

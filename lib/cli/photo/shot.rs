@@ -90,7 +90,7 @@ type Taken = (String, Picture);
 
 /// What the header of a picture says, line by line.
 fn trail(taken: Option<&Taken>) -> impl Iterator<Item = &str> + Clone {
-    taken.into_iter().flat_map(|(_, target)| target.header.lines.iter().map(String::as_str))
+    taken.into_iter().flat_map(|(_, target)| target.header.trail())
 }
 
 /// What was typed of how light is reckoned with.
@@ -103,6 +103,7 @@ fn typed(light: &Light, rules: &Rules) -> Typed {
         mirrors: light.dr.is_some(),
         medium: light.me.is_some(),
         backs: light.bv.is_some(),
+        reflections: light.lr.is_some(),
         sampling: light.ss.is_some(),
         lobe: light.ward.is_some(),
         fresnel: light.fresnel_offset.is_some(),

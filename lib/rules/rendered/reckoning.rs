@@ -4,7 +4,7 @@ use super::release::offset_of_release;
 use super::{Command, PROGRAMS};
 use crate::color::Rgb;
 use crate::rad::Number;
-use crate::rules::{Rules, Ward, single};
+use crate::rules::{Rules, Ward, lowers_fresnel, single};
 use std::f64::consts::PI;
 
 /// Of what light is reckoned with, what was typed: the header then does not count.
@@ -24,6 +24,8 @@ pub struct Typed {
     pub medium: bool,
     /// `-bv`.
     pub backs: bool,
+    /// `-lr`.
+    pub reflections: bool,
     /// `-ss`.
     pub sampling: bool,
     /// `--ward`.
@@ -48,6 +50,8 @@ pub struct Reckoning {
     medium: Rgb,
     /// Whether backs of surfaces are there.
     backs: bool,
+    /// After how many reflections light is left out, if that is so.
+    reflections: Option<i32>,
     /// `-ss`, if rough reflection is that of [`Rules::single`] samples.
     sampling: Option<f64>,
     /// The form of the rough reflection lobe.
@@ -80,9 +84,13 @@ impl Reckoning {
             mirrors: count("-dr", mirrors),
             medium: command.color("-me").unwrap_or(default.extinction),
             backs: command.on("-bv"),
+            reflections: command.option("-lr").map(|(most, _)| (most as i32).saturating_abs()).filter(|most| *most > 0),
             sampling: command.option("-ss").map(|(sampling, _)| sampling).filter(|s| single(*s)),
             lobe: if ours && command.word("--ward").is_some() { Ward::Original } else { default.lobe },
-            fresnel_offset: command.given("--fresnel-offset").or_else(|| lines.filter_map(offset_of_release).last()),
+            fresnel_offset: command
+                .given("--fresnel-offset")
+                .filter(|offset| lowers_fresnel(*offset))
+                .or_else(|| lines.filter_map(offset_of_release).last()),
         })
     }
 
@@ -111,6 +119,10 @@ impl Reckoning {
         if !typed.backs {
             rules.back_visible = self.backs;
         }
+        // What RADIANCE ends by roulette, and below a weight, hardly counts.
+        if !typed.reflections {
+            rules.limit_reflections = self.reflections.map(|most| -most);
+        }
         if !typed.sampling {
             rules.specular_sampling = self.sampling;
         }
@@ -136,6 +148,7 @@ impl Reckoning {
             (typed.medium, color("-me", self.medium)),
             (typed.mirrors, Some(format!("-dr {}", self.mirrors))),
             (typed.backs, (!self.backs).then(|| "-bv-".into())),
+            (typed.reflections, self.reflections.map(|most| format!("-lr {most}"))),
             (typed.sampling, self.sampling.map(|sampling| number("-ss", sampling))),
             (typed.lobe, (self.lobe == Ward::Original).then(|| "--ward 1992".into())),
             (typed.jitter, lamp("-dj", rules.light_jitter)),
@@ -225,9 +238,9 @@ mod tests {
         assert!(note("rpict -ab 2 -ds .02 a.oct").unwrap().contains("-dj 0 -ds 0.0354, and"));
         assert_eq!(
             note("rpict -ab 2 a.oct").unwrap(),
-            "a.hdr was rendered by rpict with -ab 2 -dr 1 -ss 1 -dj 0 -ds 0.25, and so it is here"
+            "a.hdr was rendered by rpict with -ab 2 -dr 1 -lr 7 -ss 1 -dj 0 -ds 0.25, and so it is here"
         );
-        assert!(note("rpict -ab 2 -av .1 .2 .3 -dj 1 a.oct").unwrap().contains("with -ab 2 -av 0.1 0.2 0.3 -dr 1 -ss 1 -dj 1 "));
+        assert!(note("rpict -ab 2 -av .1 .2 .3 -dj 1 a.oct").unwrap().contains("with -ab 2 -av 0.1 0.2 0.3 -dr 1 -lr 7 -ss 1 -dj 1 "));
         assert!(note("rtrace-rs -me .1 .1 .1 --ward 1992 a.rad").unwrap().contains("with -me 0.1 0.1 0.1 -dr 2 --ward 1992, "));
     }
 
@@ -249,6 +262,23 @@ mod tests {
         let typed = Typed { mirrors: true, medium: true, backs: true, lobe: true, ..Typed::default() };
         let line = "rtrace-rs -dr 1 -me 1 1 1 -bv- --ward 1992 a.rad";
         assert_eq!(Reckoning::of([line].into_iter()).unwrap().taken_into(Rules::default(), typed), Rules::default());
+    }
+
+    #[test]
+    fn light_ends_after_as_many_reflections_as_the_header_has() {
+        let most =
+            |line: &str, typed: Typed| Reckoning::of([line].into_iter()).unwrap().taken_into(Rules::default(), typed).limit_reflections;
+        let default = Typed::default();
+        for (line, limit) in [
+            ("rpict a.oct", Some(-7)),
+            ("rtrace a.oct", Some(-10)),
+            ("rpict -lr -12 a.oct", Some(-12)),
+            ("rpict -lr 0 a.oct", None),
+            ("rtrace-rs a.rad", None),
+        ] {
+            assert_eq!(most(line, default), limit, "{line}");
+        }
+        assert_eq!(most("rpict a.oct", Typed { reflections: true, ..default }), None);
     }
 
     #[test]
