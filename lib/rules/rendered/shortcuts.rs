@@ -1,9 +1,8 @@
 //! What a renderer left out or guessed of the light in its picture.
 
 use super::{Command, PROGRAMS};
+use crate::rules::single;
 
-/// From this `-ss` on, more is missing than by other choices.
-const SEVERAL: f64 = 3.0;
 /// From this `-lw` on, what ends there is more than a picture's last digits.
 const HEAVY: f64 = 0.01;
 
@@ -23,13 +22,13 @@ pub fn shortcuts<'a>(lines: impl IntoIterator<Item = &'a str>, least: Option<f64
             say(st, "a specularity up to that mirrors nothing but lamps there, and comes out too small", "-st 0");
         }
         match command.option("-ss") {
-            Some((0.0, ss)) => say(ss, "rough surfaces reflect like mirrors there", "-ss 2"),
-            Some((sampling, ss)) if sampling < 1.0 => say(ss, "rough surfaces reflect too sharply there", "-ss 2"),
-            Some((sampling, ss)) if sampling >= SEVERAL && lamps > 0 && !command.is_ours() => {
+            Some((0.0, ss)) => say(ss, "rough surfaces reflect like mirrors there", "-ss 1"),
+            Some((sampling, ss)) if sampling < 1.0 => say(ss, "rough surfaces reflect too sharply there", "-ss 1"),
+            Some((sampling, ss)) if !single(sampling) && lamps > 0 && !command.is_ours() => {
                 say(
                     ss,
                     "rough samples that follow one which met a lamp miss light there, 1 % of what is mirrored at 2, and 3 % at 8",
-                    "-ss 2",
+                    "-ss 1",
                 );
             }
             _ => {}
@@ -85,8 +84,8 @@ mod tests {
     #[test]
     fn shortcuts_of_renderings_are_read_off_their_headers() {
         let said = |lines: &[&str], least, lamps| shortcuts(lines.iter().copied(), Some(least), lamps);
-        assert!(said(&["rpict -st 0 -ss 2 -vf a.vf a.oct", "pfilt -x /2"], 0.0, 1).is_empty());
-        assert!(said(&["rpict -st 0 -ss 2 -ab 1 -aa 0 -dt 0 a.oct"], 0.0, 2).is_empty());
+        assert!(said(&["rpict -st 0 -ss 1 -vf a.vf a.oct", "pfilt -x /2"], 0.0, 1).is_empty());
+        assert!(said(&["rpict -st 0 -ab 1 -aa 0 -dt 0 a.oct"], 0.0, 2).is_empty());
         assert!(said(&["rtrace-rs -ab 2", "SOFTWARE= RADIANCE rtrace, -st .15"], 0.0, 2).is_empty());
         let defaults = said(&["/usr/bin/rpict -ab 1 -vf a.vf a.oct", "\tpfilt -x /2"], 0.0, 2);
         assert_eq!(defaults.len(), 3);
@@ -94,7 +93,7 @@ mod tests {
             assert!(said.starts_with(&format!("the target was rendered by rpict with {option}, its default: ")), "{said}");
         }
         let [only] = &said(&["rtrace -st .3 -ss 0 -st .1 a.oct"], 0.2, 1)[..] else { panic!() };
-        assert_eq!(only, "the target was rendered by rtrace with -ss 0: rough surfaces reflect like mirrors there; render it with -ss 2");
+        assert_eq!(only, "the target was rendered by rtrace with -ss 0: rough surfaces reflect like mirrors there; render it with -ss 1");
         assert!(shortcuts(["rpict -ab 1 -aa 0 -dt 0 -av .1 .1 .1 -aw 16 a.oct"], None, 1)[0].contains("with -aw 16: "));
         // Light is missing only where a lamp is met.
         let lost = |lamps| said(&["rpict -st 0 -ss 8 -dt 0 a.oct"], 0.0, lamps);
@@ -106,7 +105,7 @@ mod tests {
             let [only] = &said(&[&format!("rtrace-rs {option} a.rad")], 0.0, 2)[..] else { panic!("{option}") };
             assert!(only.contains(harm), "{only}");
         }
-        assert!(said(&["rtrace -aa 0 -dt 0 -st 0 -ss 2 -lw .5 a.oct"], 0.0, 2).is_empty());
+        assert!(said(&["rtrace -aa 0 -dt 0 -st 0 -ss 1 -lw .5 a.oct"], 0.0, 2).is_empty());
         // Where nothing rough is sought, nothing is said of it.
         assert!(shortcuts(["rpict a.oct"], None, 1).is_empty());
     }
