@@ -23,8 +23,8 @@ pub struct Rules {
     pub limit_weight: Option<f64>,
     /// `-st`: rough specularity at or below this joins the diffuse part, except for the highlights of light sources.
     pub specular_threshold: f64,
-    /// `-ss`: given and not above 1.5, rough reflection is what RADIANCE's single unweighted samples make of it on the average, of a
-    /// lobe that is narrower below 1; otherwise it is the lobe itself.
+    /// `-ss`: given and [`single`], or below, rough reflection is what RADIANCE's unweighted samples make of it, of a lobe that is narrower below;
+    /// otherwise it is the lobe itself.
     pub specular_sampling: Option<f64>,
     /// `-dj`: given, each light source is one sample at its centre (or one for each of its parts, see `light_division`), jittered over this
     /// fraction of its extent; otherwise it is integrated.

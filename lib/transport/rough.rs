@@ -312,7 +312,8 @@ impl<'a, const L: usize> Transport for Tagging<'a, L> {
         }
         let shape = layer.bsdf(rules);
         let polish = self.unknown.mirror.is_some().then(|| Box::new(self.unknown.polish(&shape, &layer.point, rules)));
-        let repeated = rules.single().then(|| Box::new(self.unknown.at_nodes(|alpha| shape.repeated(alpha))));
+        // What is polished has no lobes.
+        let repeated = (rules.single() && polish.is_none()).then(|| Box::new(self.unknown.at_nodes(|alpha| shape.repeated(alpha))));
         Surface::Unknown { shape, pattern: layer.pattern, unknown: self.unknown, polish, repeated, drawn: Drawn::NONE }
     }
 

@@ -6,9 +6,10 @@ use crate::rules::single;
 /// From this `-lw` on, what ends there is more than a picture's last digits.
 const HEAVY: f64 = 0.01;
 
-/// What the last renderer in a picture's header changed of the light of a scene with so many lamps: a sentence each. Of rough reflection
-/// only if something rough is sought, whose specularity may be as small as `least`. By how much, `rpict` told: of metal of roughness .1 opposite a window before a wall, the same with `-ss 2`, `8` and `16`; of a floor in a room, `-ab 2 -ad 1024` with `-aa .1` and `-aa 0`; of a shade with one lamp in it and three
-/// beside, `-dt .05` and `-dt 0`.
+/// What the last renderer in a picture's header changed of the light of a scene with so many lamps: a sentence each. Of rough reflection only if
+/// something rough is sought, whose specularity may be as small as `least`. By how much, `rpict` told: of metal of roughness .1 opposite a window
+/// before a wall, the same with `-ss 2`, `8` and `16`; of a floor in a room, `-ab 2 -ad 1024` with `-aa .1` and `-aa 0`; of a shade with one lamp
+/// in it and three beside, `-dt .05` and `-dt 0`.
 pub fn shortcuts<'a>(lines: impl IntoIterator<Item = &'a str>, least: Option<f64>, lamps: usize) -> Vec<String> {
     let Some(command) = Command::last(lines, &PROGRAMS) else { return vec![] };
     let mut found = Vec::new();
