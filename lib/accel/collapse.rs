@@ -18,6 +18,8 @@ const NODE: f32 = 1.0;
 const BLOCK: f32 = 0.9;
 /// Cost of a primitive other than a triangle.
 const OTHER: f32 = 0.9;
+/// How likely a ray through the box of a primitive other than a triangle is taken to meet it: of a ball it is .52.
+const FILLED: f32 = 0.5;
 /// By how much the boxes are larger than what is in them: more than what rounding moves a ray within the tree's cube. The origin, the bounds
 /// and the corners are rounded at magnitudes up to ½, the direction at distances below √3; a few roundings each make a bound and a
 /// triangle's edge (after Ize 2013, "Robust BVH Ray Traversal", whose error grows with the distance instead).
@@ -37,6 +39,9 @@ struct Plan {
     leaf: bool,
     /// Whether there are only triangles below.
     triangles: bool,
+    /// The area of all triangles below, at most half that of the box: what part of that it is, is how likely a ray through the box is to meet
+    /// one, if they do not hide each other (Cauchy: what is convex is met in proportion to its surface).
+    surface: f32,
 }
 
 /// The wide tree of `binary`, over primitives that are a surface, or a triangle of one. `corners` gives a triangle's, in the tree's
@@ -47,9 +52,9 @@ pub(super) fn collapse(binary: &Binary, primitives: &[(u32, u32)], corners: impl
         let residue = corners(primitive).map_or([[0.0; 3]; 3], |c| c.map(|p| p.to_array().map(|x| (x - f64::from(x as f32)) as f32)));
         Detail { surface, triangle, residue }
     };
-    let is_triangle = |primitive: u32| corners(primitive).is_some();
+    let triangle_area = |primitive: u32| corners(primitive).map(|[a, b, c]| ((b - a).cross(c - a).length() / 2.0) as f32);
     let mut plans = vec![Plan::default(); binary.boxes.len()];
-    solve(binary, 0, &mut plans, &is_triangle, 0);
+    solve(binary, 0, &mut plans, &triangle_area, 0);
     let (mut nodes, mut leaves) = (Vec::new(), Vec::new());
     // Number a child: a primitive, a block, or a node that is filled later.
     let mut number = |i: usize, nodes: &mut Vec<Node>, todo: &mut Vec<(usize, usize)>| {
@@ -71,8 +76,9 @@ pub(super) fn collapse(binary: &Binary, primitives: &[(u32, u32)], corners: impl
     while let Some((i, slot)) = todo.pop() {
         children.clear();
         gather(binary, &plans, i, &mut children);
-        // Large ones first: where any hit will do, these are the likeliest to have one.
-        children.sort_by(|&a, &b| half_area(&binary.boxes[b]).total_cmp(&half_area(&binary.boxes[a])));
+        // Where any hit will do, those first that are likeliest to have one for what a visit costs (both times half the area of the box).
+        let promise = |child: usize| plans[child].surface / plans[child].cost[0];
+        children.sort_by(|&a, &b| promise(b).total_cmp(&promise(a)));
         nodes[slot].bounds = std::array::from_fn(|row| {
             let side = |child: &usize| match (&binary.boxes[*child], row / 2) {
                 (b, axis) if row % 2 == 0 => b.min[axis] - MARGIN,
@@ -106,12 +112,12 @@ pub(super) fn collapse(binary: &Binary, primitives: &[(u32, u32)], corners: impl
 }
 
 /// Fills the plans of the subtree at `root`, whose plans these are, children before parents.
-fn solve(binary: &Binary, root: usize, plans: &mut [Plan], is_triangle: &(impl Fn(u32) -> bool + Sync), depth: u32) {
+fn solve(binary: &Binary, root: usize, plans: &mut [Plan], triangle_area: &(impl Fn(u32) -> Option<f32> + Sync), depth: u32) {
     let mut start = 0;
     if plans.len() > SEQUENTIAL && depth < 16 {
         let (first, second) = plans[1..].split_at_mut(2 * binary.leaves[root + 1] as usize - 1);
         let at = binary.second(root);
-        rayon::join(|| solve(binary, root + 1, first, is_triangle, depth + 1), || solve(binary, at, second, is_triangle, depth + 1));
+        rayon::join(|| solve(binary, root + 1, first, triangle_area, depth + 1), || solve(binary, at, second, triangle_area, depth + 1));
         start = plans.len() - 1;
     }
     for i in (0..plans.len() - start).rev() {
@@ -119,13 +125,14 @@ fn solve(binary: &Binary, root: usize, plans: &mut [Plan], is_triangle: &(impl F
         let area = half_area(&binary.boxes[node]);
         let count = binary.leaves[node];
         if count == 1 {
-            let triangles = is_triangle(binary.order[binary.before[node] as usize]);
+            let own = triangle_area(binary.order[binary.before[node] as usize]);
+            let (triangles, surface) = (own.is_some(), own.unwrap_or(area * FILLED));
             let cost = area * if triangles { BLOCK } else { OTHER };
-            plans[i] = Plan { cost: [cost; 7], split: [0; 8], leaf: true, triangles };
+            plans[i] = Plan { cost: [cost; 7], split: [0; 8], leaf: true, triangles, surface };
             continue;
         }
         let (a, b) = (plans[i + 1], plans[i + 2 * binary.leaves[node + 1] as usize]);
-        let mut plan = Plan { triangles: a.triangles && b.triangles, ..Plan::default() };
+        let mut plan = Plan { triangles: a.triangles && b.triangles, surface: (a.surface + b.surface).min(area), ..Plan::default() };
         let mut shared = [f32::INFINITY; 8];
         for i in 2..=8 {
             for k in 1..i {

@@ -130,8 +130,8 @@ pub(super) struct Tree<'a> {
 const STACK: usize = 32;
 
 impl Tree<'_> {
-    /// Visits the leaves whose boxes the probe passes before `limit`, near ones first if `ORDERED`. `leaf` gets the leaf's number and the
-    /// limit and returns the new limit, which only counts if `ORDERED`; a negative one ends the walk.
+    /// Visits the leaves whose boxes the probe passes before `limit`, near ones first if `ORDERED`, else the first children first. `leaf` gets
+    /// the leaf's number and the limit and returns the new limit, which only counts if `ORDERED`; a negative one ends the walk.
     #[inline(always)]
     pub fn walk<const ORDERED: bool>(&self, probe: &Probe, mut limit: f32, mut leaf: impl FnMut(u32, f32) -> f32) {
         let Some(root) = self.root else { return };
