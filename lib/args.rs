@@ -206,7 +206,7 @@ fn finite(word: &str) -> std::result::Result<f64, String> {
 /// A usage error as one line: what is wrong, what was perhaps meant, where to find more. Errors of our own within it say no second time
 /// that they are some.
 fn usage(error: &clap::Error) -> Error {
-    let text = one_dash(&error.render().to_string(), "-");
+    let text = one_dash(&error.render().to_string(), "-").replace("invalid digit found in string", "not a whole number");
     let mut lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
     let mut message = lines.next().unwrap_or_default().trim_start_matches("error: ").replace(": error: ", ": ");
     for line in lines.take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more")) {

@@ -90,12 +90,17 @@ pub fn chi2(text: &str) -> Option<f64> {
     }
     let named = |line: &str| match serde_json::from_str(line) {
         Ok(serde_json::Value::Object(measures)) => measures.get(CHI2)?.as_f64(),
-        _ => line.strip_prefix(CHI2)?.strip_prefix(' ')?.trim().parse().ok(),
+        _ => words(line).skip_while(|word| *word != CHI2).nth(1)?.parse().ok(),
     };
-    let between = |c: char| c.is_whitespace() || matches!(c, ',' | ';' | '=' | ':' | '(' | ')');
     let other = |line: &&str| line.starts_with('{') || line.split(' ').next().is_some_and(|name| [SCALE, DOF].contains(&name));
-    let last = |line: &str| line.split(between).rev().find_map(|word| word.parse().ok());
+    let last = |line: &str| words(line).filter_map(|word| word.parse().ok()).last();
     text.lines().rev().find_map(named).or_else(|| text.lines().filter(|line| !other(line)).rev().find_map(last))
+}
+
+/// The words of a line. A comma ends one, unless there is a digit after it: `1,5` is no number, nor two.
+fn words(line: &str) -> impl Iterator<Item = &str> {
+    let between = |c: char| c.is_whitespace() || matches!(c, ';' | '=' | ':' | '(' | ')');
+    line.split(between).map(|word| word.trim_matches(',')).filter(|word| !word.is_empty())
 }
 
 /// Whether it holds what no text does.
@@ -139,6 +144,8 @@ mod tests {
         assert_eq!(run("awk '{print $7}' {}").unwrap(), 0.25);
         assert_eq!(run("echo chi2=$STAGE").unwrap(), 2.0);
         assert_eq!(run("echo 3; echo '(chi2: -1.5e-3)'; echo done").unwrap(), -1.5e-3);
+        assert_eq!(run("echo chi2=0.25 rmse=7").unwrap(), 0.25);
+        assert_eq!(run("echo 0.5, 0.25,").unwrap(), 0.25);
         assert_eq!(run("echo 0.25; echo scale 1.5; echo dof 768").unwrap(), 0.25);
         assert_eq!(run("echo chi2 0.25; echo mse 1; echo max 7").unwrap(), 0.25);
         assert_eq!(run(r#"echo '{"chi2":0.25,"max_at":{"channel":"red","x":3,"y":4},"pixels":900}'"#).unwrap(), 0.25);
@@ -155,6 +162,7 @@ mod tests {
         );
         assert!(message("true").contains("printed nothing; its last program must print chi-squared"));
         assert!(message("echo hello; echo oops >&2").contains("no number but `hello`; it said: oops"));
+        assert!(message("echo 1,5").contains("no number but `1,5`"));
         assert!(message("/no/such/program").contains("/no/such/program"));
         assert!(message("echo -Y 32 +X 32; head -c 4 /dev/zero").contains("printed no text (a picture?); pipe it into imgdiff"));
     }

@@ -106,7 +106,7 @@ fn looked(through: &Through, pixels: &[usize], effort: Effort, tell: &dyn Fn(&st
         if !another() {
             // It was not got hold of: the index may be anywhere where the search has it.
             let range = if (known.0..=known.1).contains(&here.values[i]) { known } else { (low, high) };
-            here.covariance.set(i, i, anywhere(range).powi(2));
+            here.covariance.set(i, i, anywhere(range).powi(2).max(here.covariance.at(i, i)));
             return Ok(here);
         }
         best.clone_from(&here.values);

@@ -25,6 +25,9 @@ const ANISOTROPIC_NODES: (usize, f64) = (8, 1.3);
 /// What of the derivative by a roughness must not be noise for it to be trusted.
 const DOUBTFUL: f64 = 0.2;
 
+/// The part of itself that the error of a roughness may be for the nodes of a closer look to hold all that it may be.
+const HELD: f64 = 0.4;
+
 /// How many of all values that one may have are looked at where it is left open.
 const OPEN_VALUES: usize = 8;
 
@@ -188,6 +191,11 @@ impl<'a> Stage<'a> {
     }
 }
 
+/// Whether the nodes of a closer look hold all that a roughness may be.
+pub fn is_held(found: &Recovery, slot: usize) -> bool {
+    found.errors()[slot] <= HELD * found.values[slot].abs()
+}
+
 /// How much what is seen along lobes may change with their roughness, in terms of itself.
 fn wider(was: f64, is: f64) -> f64 {
     (was / is).ln().abs() * (was.max(is) / WIDE_LOBE).min(1.0)
@@ -265,7 +273,7 @@ impl Model for Stage<'_> {
 
     fn doubtful(&self, found: &Recovery) -> Vec<(usize, Vec<f64>)> {
         let faint = faint(self.kind, self.unknown, found);
-        let rough = self.axes().filter(|(_, slot)| faint || found.clarity[*slot] < DOUBTFUL);
+        let rough = self.axes().filter(|(_, slot)| faint || found.clarity[*slot] < DOUBTFUL || !is_held(found, *slot));
         let open = self.open(found);
         // Of two, every other.
         let stride = 1 + usize::from(open.is_some());
