@@ -33,7 +33,7 @@ impl<'a> Answer<'a> {
             if let Some((side, bound)) = at_bound(p, *value, judgement.as_ref().map(|j| j.errors[i])) {
                 *value = bound;
                 let open = judgement.as_ref().is_some_and(|j| j.standings[i] == Standing::Open);
-                let any = (dull || open && explained) && ROUGHNESSES.contains(&&p.name[..]);
+                let any = open && explained || dull && ROUGHNESSES.contains(&&p.name[..]);
                 if may_exceed(unknown, p, bound) && !any {
                     let beyond = "if it may lie beyond, give --param";
                     doubts.push(format!("{} is at its {side} bound {}; {beyond} {0}=START:LOW:HIGH", p.name, Number(bound)));

@@ -23,7 +23,7 @@ use std::time::Instant;
 const FIRST_PIXELS: usize = 640;
 const FIRST_SAMPLES: [u32; 2] = [16, 64];
 
-/// Where the nodes of a closer look do not hold all that a roughness may be, all roughnesses are looked at once more: the most pixels, and the samples of
+/// Where what a closer look sees does not hold all that a roughness may be, all roughnesses are looked at once more: the most pixels, and the samples of
 /// all of them in each half, where the derivatives are mostly noise and where there is next to nothing specular; and the most of each.
 const LAST_PIXELS: usize = 2000;
 const LAST_SAMPLES: [usize; 2] = [400_000, 100_000];
