@@ -1,9 +1,10 @@
 //! What RADIANCE's programs take for an option of light that is not given.
 
 /// The option, and what it is in rtrace and in rpict (`rtrace -defaults` and `rpict -defaults`, RADIANCE 6.0a).
-const DEFAULTS: [(&str, [f64; 2]); 10] = [
+const DEFAULTS: [(&str, [f64; 2]); 11] = [
     ("-aa", [0.1, 0.2]),
     ("-ab", [0.0, 0.0]),
+    ("-as", [512.0, 128.0]),
     ("-dj", [0.0, 0.0]),
     ("-dr", [2.0, 1.0]),
     ("-ds", [0.2, 0.25]),
