@@ -37,10 +37,6 @@ const DEEPER: f64 = 400.0;
 const FEW: f64 = 96.0;
 const FAR: f64 = 4.0;
 
-/// Of a value whose error is more than this part of itself nothing more is to be had if that is no smaller than it was so many rounds before.
-const HARDLY: f64 = 0.4;
-pub const AGO: usize = 3;
-
 /// What to take more of, and how many times as much as there is, as far as can be said.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum More {
@@ -105,22 +101,9 @@ impl Effort<'_> {
         (0..common.len()).map(|i| if self.tolerance.is_none() && (astray || with(i)) { LESS * common[i] } else { 0.0 }).collect()
     }
 
-    /// Whether what was sampled since an error of `before` told nothing of a value that is hardly known.
-    fn is_stuck(&self, value: f64, error: f64, before: f64) -> bool {
-        self.tolerance.is_none() && error > HARDLY * value.abs() && error >= before
-    }
-
     /// What would make a recovery as good as is wished for, or as the picture allows; `None` if it is. Seen are `seen` of `all` pixels, by `each`
-    /// samples in each half; those among them that tell most of a roughness, if those were `foreseen`. Errors were those of `before` some rounds ago.
-    pub fn more(
-        &self,
-        parameters: &[Parameter],
-        found: &Recovery,
-        before: Option<&Vec<f64>>,
-        [seen, all]: [f64; 2],
-        each: f64,
-        foreseen: bool,
-    ) -> Option<More> {
+    /// samples in each half; those among them that tell most of a roughness, if those were `foreseen`.
+    pub fn more(&self, parameters: &[Parameter], found: &Recovery, [seen, all]: [f64; 2], each: f64, foreseen: bool) -> Option<More> {
         let open = self.open(parameters, found);
         let need = |(i, parameter): (usize, &Parameter)| {
             let (variance, near) = (found.covariance.at(i, i), self.near(i, parameter, found.values[i]).max(open[i]));
@@ -133,9 +116,7 @@ impl Effort<'_> {
             Some(_) => s.left() / ALL_LEFT,
         };
         let lacks = |s: &Need| s.variance > 1.0 && (seen < all || allowed(s) < 1.0);
-        let errors = found.errors();
-        let stuck = |i: usize| before.is_some_and(|before| self.is_stuck(found.values[i], errors[i], before[i]));
-        let lacking: Vec<Need> = parameters.iter().enumerate().filter(|(i, _)| !stuck(*i)).map(need).filter(lacks).collect();
+        let lacking: Vec<Need> = parameters.iter().enumerate().map(need).filter(lacks).collect();
         let worst = lacking.iter().max_by(|a, b| a.variance.total_cmp(&b.variance))?;
         let noisy = || each >= FEW && worst.left() > LEFT && worst.left() * worst.variance > FAR;
         let pixels = if worst.foreseen { each >= DEEPER || noisy() } else { worst.clarity > worst.own.max(CLEAR) || each >= DEEP };
@@ -166,7 +147,7 @@ mod tests {
     /// What is wanted after a look at so many pixels of a thousand, by 40 samples each, of a colour with this standard error.
     fn wanted(seen: f64, error: f64, own: f64, clarity: f64, tolerance: Option<f64>) -> Option<More> {
         let (parameter, found) = asked("red", error, own, clarity);
-        effort(tolerance).more(&[parameter], &found, None, [seen, 1000.0], 40.0, false)
+        effort(tolerance).more(&[parameter], &found, [seen, 1000.0], 40.0, false)
     }
 
     #[test]
@@ -182,7 +163,7 @@ mod tests {
         // Where those pixels are seen that tell most of it, others are worth less.
         let foreseen = |name: &str, each: f64, error: f64| {
             let (parameter, found) = asked(name, error, 0.2, 0.9);
-            effort(None).more(&[parameter], &found, None, [500.0, 1000.0], each, true)
+            effort(None).more(&[parameter], &found, [500.0, 1000.0], each, true)
         };
         assert!(matches!(foreseen("rough", 128.0, 1.9 * NEAREST_ROUGHNESS), Some(More::Samples(_))));
         assert!(matches!(foreseen("rough", DEEPER, 1.9 * NEAREST_ROUGHNESS), Some(More::Pixels(_))));
@@ -203,21 +184,10 @@ mod tests {
         let wanted = |areas: f64, tolerance: Option<f64>| {
             let (parameter, found) = asked("red", 2.0 * NEAR, 0.9, 0.9);
             let found = Recovery { misfit: Misfit { areas, ..Misfit::default() }, common: Symmetric::diagonal(&[NEAR * NEAR]), ..found };
-            effort(tolerance).more(&[parameter], &found, None, [500.0, 1000.0], 40.0, false)
+            effort(tolerance).more(&[parameter], &found, [500.0, 1000.0], 40.0, false)
         };
         assert!(wanted(0.05, None).is_some() && wanted(0.2, Some(NEAR)).is_some());
         assert_eq!(wanted(0.2, None), None);
-    }
-
-    #[test]
-    fn what_three_rounds_told_nothing_of_is_not_looked_at_for_longer() {
-        let wanted = |error: f64, before: f64, tolerance: Option<f64>| {
-            let (parameter, found) = asked("rough", error, 0.9, 0.3);
-            effort(tolerance).more(&[parameter], &found, Some(&vec![before]), [1000.0; 2], 40.0, false)
-        };
-        assert_eq!(wanted(0.005, 0.004, None), None);
-        assert!(wanted(0.005, 0.006, None).is_some() && wanted(0.003, 0.002, None).is_some());
-        assert!(wanted(0.005, 0.004, Some(1e-4)).is_some());
     }
 
     #[test]

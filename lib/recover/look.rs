@@ -1,7 +1,7 @@
 //! A look at the picture: samples where they tell most, the values that explain it best near some others, and how sure they are.
 
 use super::drift::{LATE, PICTURES};
-use super::enough::{AGO, More};
+use super::enough::More;
 use super::misfit::Misfit;
 use super::scores::{Evaluation, Way, influence, pictures};
 use super::seen::First;
@@ -132,7 +132,6 @@ impl Look<'_> {
         model.tune(near, None);
         let mut seen = self.first(model, seeds.next());
         let (mut best, mut before) = (near.to_vec(), [(); 2].map(|()| vec![0.0; near.len()]));
-        let mut errors: Vec<Vec<f64>> = vec![];
         for round in 1.. {
             let sheet = Sheet::new(self.evidence, seen.pixels());
             let traced = Traced { sheet: &sheet, model, basis: &seen.basis };
@@ -155,8 +154,7 @@ impl Look<'_> {
             let spared = if drifts { PICTURES } else { 0.0 };
             // So many times as many samples as before may still be taken.
             let most = GROWTH.1.min(budget - 1.0).min((time - spared) / (1.0 + spared));
-            let ago = errors.len().checked_sub(AGO).map(|ago| &errors[ago]);
-            let wanted = self.effort.more(self.parameters, found, ago, seen.counts(), seen.each, seen.foreseen());
+            let wanted = self.effort.more(self.parameters, found, seen.counts(), seen.each, seen.foreseen());
             let wanted = wanted.or_else(|| (round == 1 && seen.again()).then_some(More::Samples(2.0)));
             let go_on = !strayed && round < ROUNDS && !self.effort.quick && most >= GROWTH.0;
             let Some(more) = wanted.filter(|_| go_on) else {
@@ -164,7 +162,6 @@ impl Look<'_> {
                 return self.last(fit, strayed, traced, share, seeds);
             };
             best.clone_from(&found.values);
-            errors.push(found.errors());
             model.tune(&best, Some(&found.errors()));
             seen.add(more, |times| (times - 1.0).max(GROWTH.0).min(most), &fit.influence, model);
         }
