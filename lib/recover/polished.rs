@@ -53,19 +53,44 @@ pub fn recover(sought: &Sought, effort: Effort, tell: &dyn Fn(&str)) -> Result<R
     let [rough, smooth] = worlds.map(|world| Evidence { world, ..*sought.evidence });
     let sought = &Sought { evidence: &rough, ..*sought };
     let open = |found: &Recovery| Mirror::of(sought.unknown, sought.kind, found);
-    let mut asked = false;
-    let mut instead = |found: &Recovery| {
-        let likely = open(found).filter(|mirror| !asked && mirror.likely)?;
-        tell("polished");
-        asked = true;
-        likely.instead(sought, &smooth, effort, found)
-    };
-    let found = rough::recover(sought, effort, &mut instead, tell)?;
-    if asked || effort.late() {
+    let found = rough::recover(sought, effort, &|found| open(found).is_some_and(|mirror| mirror.likely), tell)?;
+    let Some(Mirror { unknown, slot, likely }) = open(&found).filter(|_| !effort.late()) else { return Ok(found) };
+    tell("polished");
+    let mut near = found.values.clone();
+    if let Some(slot) = slot {
+        near.remove(slot);
+    }
+    let near: Vec<f64> = near.iter().zip(unknown.bounds()).map(|(value, (low, high))| value.clamp(low, high)).collect();
+    let mirror = Sought { evidence: &smooth, unknown: &unknown, kind: Kind { polished: true, ..sought.kind }, ..*sought };
+    // What one has looked at longer are the pixels that tell most of a roughness, which are few and the noisiest: both are glanced at, as
+    // a quick look has.
+    let lobe = if effort.quick { found.clone() } else { sought.glance(effort, &found.values) };
+    let seen = mirror.glance(effort, &near);
+    let excess = seen.excess_but_one(&lobe);
+    if excess < if likely { FARTHER } else { -FARTHER } {
+        let rough = |mirror: Recovery, slot: usize| with_roughness(mirror, slot, sought.unknown.bounds()[slot].0, &lobe, excess);
+        let whole = |mirror: Recovery| match slot {
+            Some(slot) if likely => rough(mirror, slot),
+            Some(slot) => or_else(rough(mirror, slot), &found, excess),
+            None => mirror,
+        };
+        let told = |found: &Recovery| (effort.told)(&whole(found.clone()));
+        // Light that meets it more often than products tell is that of the values it is looked at with, which those of a lobe are not: of a ball that
+        // light goes through, colours came out .3 to .8 % too bright, which tells no type from another.
+        let looked = if effort.quick { seen } else { mirror.look(Effort { told: &told, ..effort }, &seen.values) };
+        // Where in a mirror a small light is seen few samples of a pixel tell.
+        let looked = Recovery { misfit: Misfit { singles: 0.0, ..looked.misfit }, ..looked };
+        // One that mirrors as little as it can may be one that does not.
+        let dullest = unknown.slots()[SPECULARITY].is_some_and(|slot| looked.values[slot] <= unknown.bounds()[slot].0);
+        if !dullest {
+            return Ok(whole(looked));
+        }
+    }
+    if !likely {
         return Ok(found);
     }
-    let mirror = open(&found).and_then(|mirror| mirror.instead(sought, &smooth, effort, &found));
-    Ok(mirror.unwrap_or(found))
+    let effort = Effort { around: Some(&lobe.values), ..effort };
+    rough::recover(sought, effort, &|_| false, tell)
 }
 
 /// An unknown as one that is polished.
@@ -90,11 +115,10 @@ impl Mirror {
             None => ((roughness <= PURE).then(|| unknown.clone())?, true),
             Some(slot) => {
                 let error = found.errors()[slot];
-                let perhaps = roughness - SURE * error <= SMOOTHEST;
-                let smooth = perhaps && roughness.max(error) <= ROUGH && !faint(kind, unknown, found);
+                let smooth = roughness - SURE * error <= SMOOTHEST && roughness.max(error) <= ROUGH && !faint(kind, unknown, found);
                 // Where trans that is rough does not explain the picture, its shadows may not be those of one that is.
                 let likely = smooth || kind.transmits && !found.explained();
-                let any = || perhaps || judge(unknown, &found.values, &found.known()).standings[slot] == Standing::Open;
+                let any = || judge(unknown, &found.values, &found.known()).standings[slot] == Standing::Open;
                 let alone = slots.iter().filter(|s| **s == Some(slot)).count() == 1;
                 if !alone || unknown.bounds()[slot].0 > PURE || !likely && !any() {
                     return None;
@@ -113,40 +137,6 @@ impl Mirror {
         let slot = unknown.slots()[ROUGHNESS];
         let mirror = slot.map_or_else(|| Some(unknown.clone()), |slot| unknown.knowing(slot, 0.0))?;
         Some(Self { unknown: mirroring(mirror)?, slot, likely: true })
-    }
-
-    /// What is found of it so in that scene, if that fits no worse than what was found of it as a lobe.
-    fn instead(self, sought: &Sought, smooth: &Evidence, effort: Effort, found: &Recovery) -> Option<Recovery> {
-        let Self { unknown, slot, likely } = self;
-        let mut near = found.values.clone();
-        if let Some(slot) = slot {
-            near.remove(slot);
-        }
-        let near: Vec<f64> = near.iter().zip(unknown.bounds()).map(|(value, (low, high))| value.clamp(low, high)).collect();
-        let mirror = Sought { evidence: smooth, unknown: &unknown, kind: Kind { polished: true, ..sought.kind }, ..*sought };
-        // What one has looked at longer are the pixels that tell most of a roughness, which are few and the noisiest: both are glanced at, as
-        // a quick look has.
-        let lobe = if effort.quick { found.clone() } else { sought.glance(effort, &found.values) };
-        let seen = mirror.glance(effort, &near);
-        let excess = seen.excess_but_one(&lobe);
-        if excess >= if likely { FARTHER } else { -FARTHER } {
-            return None;
-        }
-        let rough = |mirror: Recovery, slot: usize| with_roughness(mirror, slot, sought.unknown.bounds()[slot].0, &lobe, excess);
-        let whole = |mirror: Recovery| match slot {
-            Some(slot) if likely => rough(mirror, slot),
-            Some(slot) => or_else(rough(mirror, slot), found, excess),
-            None => mirror,
-        };
-        let told = |found: &Recovery| (effort.told)(&whole(found.clone()));
-        // Light that meets it more often than products tell is that of the values it is looked at with, which those of a lobe are not: of a ball that
-        // light goes through, colours came out .3 to .8 % too bright, which tells no type from another.
-        let looked = if effort.quick { seen } else { mirror.look(Effort { told: &told, ..effort }, &seen.values) };
-        // Where in a mirror a small light is seen few samples of a pixel tell.
-        let looked = Recovery { misfit: Misfit { singles: 0.0, ..looked.misfit }, ..looked };
-        // One that mirrors as little as it can may be one that does not.
-        let dullest = unknown.slots()[SPECULARITY].is_some_and(|slot| looked.values[slot] <= unknown.bounds()[slot].0);
-        (!dullest).then(|| whole(looked))
     }
 }
 
