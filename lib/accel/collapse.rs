@@ -39,8 +39,8 @@ struct Plan {
     leaf: bool,
     /// Whether there are only triangles below.
     triangles: bool,
-    /// The area of all triangles below, at most half that of the box: what part of that it is, is how likely a ray through the box is to meet
-    /// one, if they do not hide each other (Cauchy: what is convex is met in proportion to its surface).
+    /// The area of all triangles below, of what is none [`FILLED`] of half that of its box, and at most half that of the box: what part of that it is,
+    /// is how likely a ray through the box is to meet one, if they do not hide each other (Cauchy: what is convex is met in proportion to its surface).
     surface: f32,
 }
 

@@ -405,7 +405,7 @@ fn a_hundred_thousand_coincident_triangles_are_built_and_hit() {
     let corners = [Vec3::ZERO, Vec3::X, Vec3::Y];
     let n = 100_000;
     let same = Mesh { positions: corners.to_vec(), triangles: vec![[0, 1, 2]; n], ..Mesh::default() };
-    // A build that were quadratic would take minutes.
+    // A quadratic build would take minutes.
     let accel = build(vec![mesh(same)]);
     assert_eq!(accel.nearest(&Ray::new(Vec3::new(0.2, 0.3, 1.0), -Vec3::Z), TINY, 1e10).unwrap().triangle, 0);
 }

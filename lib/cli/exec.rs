@@ -97,7 +97,7 @@ pub fn chi2(text: &str) -> Option<f64> {
     text.lines().rev().find_map(named).or_else(|| text.lines().filter(|line| !other(line)).rev().find_map(last))
 }
 
-/// The words of a line. A comma ends one, unless there is a digit after it: `1,5` is no number, nor two.
+/// The words of a line, without commas around them; within one they stay: `1,5` is no number, nor two.
 fn words(line: &str) -> impl Iterator<Item = &str> {
     let between = |c: char| c.is_whitespace() || matches!(c, ';' | '=' | ':' | '(' | ')');
     line.split(between).map(|word| word.trim_matches(',')).filter(|word| !word.is_empty())

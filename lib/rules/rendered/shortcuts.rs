@@ -57,7 +57,7 @@ pub fn shortcuts<'a>(lines: impl IntoIterator<Item = &'a str>, least: Option<f64
         && supersampling > 0.0
         && bounces > 1.0
     {
-        say(samples, "light that bounces twice is too dark there, 4 % of a horse in the open, 15 % of a wall in a room", "-as 0");
+        say(samples, "light that bounces twice is too dark there, 4.5 % of a horse in the open, 14 % of a wall in a room", "-as 0");
     }
     if let Some(weight) = command.given("-aw").filter(|weight| *weight > 0.0) {
         say(format!("-aw {weight}"), "what stands for the bounces left out changes there from place to place, and does not here", "-aw 0");
@@ -103,7 +103,7 @@ mod tests {
         // Supersampling tells from the second bounce on.
         let twice = |options: &str| said(&[&format!("rpict -st 0 -aa 0 -dt 0 {options} a.oct")], 0.0, 2);
         assert!(twice("-ab 1").is_empty() && twice("-ab 2 -as 0").is_empty());
-        assert!(twice("-ab 2")[0].ends_with("15 % of a wall in a room; render it with -as 0"));
+        assert!(twice("-ab 2")[0].ends_with("14 % of a wall in a room; render it with -as 0"));
         let [only] = &said(&["rtrace -st .3 -ss 0 -st .1 a.oct"], 0.2, 1)[..] else { panic!() };
         assert_eq!(only, "the target was rendered by rtrace with -ss 0: rough surfaces reflect like mirrors there; render it with -ss 1");
         assert!(shortcuts(["rpict -ab 1 -aa 0 -dt 0 -av .1 .1 .1 -aw 16 a.oct"], None, 1)[0].contains("with -aw 16: "));
