@@ -115,10 +115,11 @@ impl Mirror {
             None => ((roughness <= PURE).then(|| unknown.clone())?, true),
             Some(slot) => {
                 let error = found.errors()[slot];
-                let smooth = roughness - SURE * error <= SMOOTHEST && roughness.max(error) <= ROUGH && !faint(kind, unknown, found);
+                let perhaps = roughness - SURE * error <= SMOOTHEST;
+                let smooth = perhaps && roughness.max(error) <= ROUGH && !faint(kind, unknown, found);
                 // Where trans that is rough does not explain the picture, its shadows may not be those of one that is.
                 let likely = smooth || kind.transmits && !found.explained();
-                let any = || judge(unknown, &found.values, &found.known()).standings[slot] == Standing::Open;
+                let any = || perhaps || judge(unknown, &found.values, &found.known()).standings[slot] == Standing::Open;
                 let alone = slots.iter().filter(|s| **s == Some(slot)).count() == 1;
                 if !alone || unknown.bounds()[slot].0 > PURE || !likely && !any() {
                     return None;

@@ -12,10 +12,11 @@ use super::{Effort, Evidence, Recovery, Seeds};
 use crate::anneal::{Annealer, Options};
 use crate::error::Result;
 use crate::scene::MaterialId;
+use crate::transport::Basis;
 use crate::unknown::Unknown;
 use rayon::prelude::*;
-use stage::Stage;
 pub use stage::{SMOOTHEST, faint};
+use stage::{Stage, is_held};
 use std::time::Instant;
 
 /// The first look: about so many pixels, and samples of each in each half, of isotropic and of anisotropic materials. (With 16, one of roughnesses
@@ -23,12 +24,13 @@ use std::time::Instant;
 const FIRST_PIXELS: usize = 640;
 const FIRST_SAMPLES: [u32; 2] = [16, 64];
 
-/// The part of itself that the error of a roughness may be for the nodes of a closer look to hold all that it may be; where they do not, all roughnesses
-/// are looked at once more: the most pixels, and the samples of all of them in each half, where the derivatives are mostly noise and where there is next
-/// to nothing specular.
-const HELD: f64 = 0.4;
+/// Where what a closer look sees does not hold all that a roughness may be, all roughnesses are looked at once more: the most pixels, and the samples of
+/// all of them in each half, where the derivatives are mostly noise and where there is next to nothing specular; and the most of each.
 const LAST_PIXELS: usize = 2000;
 const LAST_SAMPLES: [usize; 2] = [400_000, 100_000];
+const LAST_OF_PIXEL: usize = 1500;
+/// Of so many parts of them the first tells how long they take.
+const PARTS: u32 = 8;
 
 /// Evaluations of the annealing.
 const STEPS: usize = 2000;
@@ -108,7 +110,7 @@ pub fn recover(sought: &Sought, effort: Effort, enough: &dyn Fn(&Recovery) -> bo
             best.clone_from(&found.values);
             continue;
         }
-        let held = |slot: usize| !strayed && found.errors()[slot] <= HELD * found.values[slot].abs();
+        let held = |slot: usize| !strayed && is_held(found, slot);
         let rough = |slot: usize| stage.axes().any(|(_, of)| of == slot);
         if doubtful.iter().all(|(slot, _)| !rough(*slot) || held(*slot)) {
             return Ok(looked.found);
@@ -118,12 +120,25 @@ pub fn recover(sought: &Sought, effort: Effort, enough: &dyn Fn(&Recovery) -> bo
         let sheet = some(evidence, &order, LAST_PIXELS);
         let mut stage = Stage::wide(sought);
         stage.know(&found.values, true);
-        let samples = LAST_SAMPLES[faint as usize] / sheet.numbers.len();
-        let basis = stage.trace_all(sheet.numbers, samples as u32, seeds.next());
+        let samples = (LAST_SAMPLES[faint as usize] / sheet.numbers.len()).min(LAST_OF_PIXEL);
+        let basis = in_time(&stage, sheet.numbers, samples as u32, effort, seeds.next());
         let traced = Traced { sheet: &sheet, model: &stage, basis: &basis };
         return Ok(closer.averaged(looked.found, &looked.aside, traced));
     }
     unreachable!("the last look ends")
+}
+
+/// Traces so many samples of pixels in each half, or as many of them as there seems to be time for after a part.
+fn in_time(stage: &Stage, pixels: &[usize], samples: u32, effort: Effort, seed: u64) -> Basis {
+    let (begin, tried) = (Instant::now(), samples.div_ceil(PARTS));
+    let mut basis = stage.trace_all(pixels, tried, seed);
+    let left = |until: Instant| until.saturating_duration_since(Instant::now()).as_secs_f64() / begin.elapsed().as_secs_f64();
+    let time = (effort.until)().map_or(f64::INFINITY, left);
+    let more = (samples - tried).min((time * f64::from(tried)) as u32);
+    if more > 0 {
+        basis.join(&stage.trace(pixels, &vec![tried..tried + more; 2 * pixels.len()], seed));
+    }
+    basis
 }
 
 /// About what the values are: a look at all roughnesses, by some of the pixels in this order.
