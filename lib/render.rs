@@ -10,6 +10,7 @@ mod part;
 mod pixel;
 mod plan;
 mod suns;
+mod variance;
 
 pub use features::{Features, coverage, features};
 pub use filter::{Filter, WIDEST};
@@ -180,11 +181,9 @@ impl Rendering {
         self.pixels.iter().map(|p| p.samples() as f64).sum::<f64>() / self.pixels.len().max(1) as f64
     }
 
-    /// The estimated variance of a pixel's mean, of each channel: as its groups show it, reduced to what the picture's error is; of one with too few
-    /// samples for that, as its two sets do. Infinite where there are fewer than two.
-    pub fn variance(&self, pixel: &Pixel) -> Rgb {
-        let (spread, luminance) = pixel.spread();
-        if luminance.is_finite() { spread * self.noise.factor } else { pixel.variance().0 }
+    /// The estimated variance of the mean of each pixel, of each channel, where a row has `width` of them. Infinite where there are fewer than two samples.
+    pub fn variances(&self, width: usize) -> Vec<Rgb> {
+        variance::variances(&self.pixels, width)
     }
 }
 

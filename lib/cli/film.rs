@@ -64,7 +64,7 @@ pub fn finish(arguments: &Arguments, size: (usize, usize), mut header: Header, r
     }
     let options = &arguments.picture;
     if let Some(path) = &options.variance {
-        let variances = rendering.pixels.iter().map(|p| to_pixel(rendering.variance(p)));
+        let variances = rendering.variances(size.0).into_iter().map(to_pixel);
         let mut planes = empty(size, &header);
         planes.push_picture("variance", &variances.collect::<Vec<_>>());
         Output::whole(Some(path), &planes.write()?)?;

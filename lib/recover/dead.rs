@@ -41,7 +41,8 @@ pub fn dead(evidence: &Evidence, world: &World, found: &Recovery, black: Vec<usi
         return vec![];
     }
     let rendering = evidence.rendered(world, &black, seed);
-    let surely = rendering.pixels.iter().map(|pixel| bright(pixel.mean()) > SURE * bright(rendering.variance(pixel).map(f64::sqrt)));
+    let errors = rendering.variances(black.len()).into_iter().map(|variance| bright(variance.map(f64::sqrt)));
+    let surely = rendering.pixels.iter().zip(errors).map(|(pixel, error)| bright(pixel.mean()) > SURE * error);
     black.into_iter().zip(surely).filter_map(|(n, surely)| surely.then_some(n)).collect()
 }
 

@@ -216,18 +216,17 @@ impl Pixel {
     }
 
     /// The estimated variance of [`Pixel::mean`] if all groups were independent, of each channel and of the luminance: what it is for a ray by
-    /// itself. In a picture, where groups share sequences, too large by a factor that [`super::Rendering`] knows. Infinite while there are
-    /// too few samples to tell.
+    /// itself. In a picture, where groups share sequences, mostly too large. Infinite while there are too few samples to tell.
     pub fn spread(&self) -> (Rgb, f64) {
-        if self.exact {
-            return (Rgb::ZERO, 0.0);
-        }
         let [(a, luminance_a), (b, luminance_b)] = std::array::from_fn(|set| self.set_spread(set));
         ((a + b) / 4.0, (luminance_a + luminance_b) / 4.0)
     }
 
     /// The same for the mean of one sequence.
     pub(super) fn set_spread(&self, set: usize) -> (Rgb, f64) {
+        if self.exact {
+            return (Rgb::ZERO, 0.0);
+        }
         deviation(self.groups(set))
     }
 }

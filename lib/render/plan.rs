@@ -63,48 +63,43 @@ pub(super) struct Noise {
     pub error: f64,
     /// The relative standard error of that, and of what it estimates: the true error of this picture is as much a matter of chance.
     pub doubt: f64,
-    /// The variance that two independent sets show over that which the groups show.
-    pub factor: f64,
 }
 
 /// The error of a picture, from the distance between the two independent sets of each pixel.
 pub(super) fn noise(pixels: &[Pixel]) -> Noise {
     const { assert!(SETS == 2) };
-    // Sums of the variance, of what it is about and the square of that, and of the variance and the spread where both are known; the count of pixels
-    // whose variance one sample cannot tell, with the sum of that of samples elsewhere; the sum of the light of what shows a surface, and its count;
-    // always in the same order.
+    // Sums of the variance, of what it is about and the square of that; the count of pixels whose variance one sample cannot tell, and that of others left
+    // to chance, with the sum of the variance of their samples; the sum of the light of what shows a surface, and its count; always in the same order.
     let sums = pixels.par_chunks(4096).map(|pixels| {
-        let mut sums = [0.0; 9];
+        let mut sums = [0.0; 8];
         for pixel in pixels.iter().filter(|p| p.surface && p.samples() > 0) {
             let (variance, spread) = (pixel.variance().1, pixel.spread().1);
             let each = variance * pixel.samples() as f64;
             let told = match (variance.is_finite(), spread.is_finite()) {
-                (true, true) => [variance, spread, spread * spread, variance, spread, 0.0, each],
+                _ if pixel.exact => [0.0; 6],
+                (true, true) => [variance, spread, spread * spread, 0.0, 1.0, each],
                 // The square of a squared normal number is three times that of its mean.
-                (true, false) => [variance, variance, variance * variance / 3.0, 0.0, 0.0, 0.0, each],
-                (false, _) => [0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0],
+                (true, false) => [variance, variance, variance * variance / 3.0, 0.0, 1.0, each],
+                (false, _) => [0.0, 0.0, 0.0, 1.0, 0.0, 0.0],
             };
             let terms = told.into_iter().chain([bright(pixel.mean()), 1.0]);
             sums.iter_mut().zip(terms).for_each(|(sum, term)| *sum += term);
         }
         sums
     });
-    let sums: Vec<[f64; 9]> = sums.collect();
-    let [told, about, squared, paired, spread, untold, each, light, shown] =
-        std::array::from_fn(|i| sums.iter().map(|sums| sums[i]).sum::<f64>());
-    // Where time ended before a pixel's second sample, take the one it has to vary as those of other pixels do.
-    let variance = if untold > 0.0 { told + untold * each / (shown - untold) } else { told };
+    let sums: Vec<[f64; 8]> = sums.collect();
+    let [told, about, squared, untold, random, each, light, shown] = std::array::from_fn(|i| sums.iter().map(|sums| sums[i]).sum::<f64>());
     // Pixels that there was no time for may show anything, and nothing is known of how single samples vary.
-    if untold == shown && pixels.iter().any(|pixel| pixel.samples() == 0 || untold > 0.0) {
-        return Noise { error: f64::INFINITY, doubt: 0.0, factor: 1.0 };
+    if random == 0.0 && (untold > 0.0 || pixels.iter().any(|pixel| pixel.samples() == 0)) {
+        return Noise { error: f64::INFINITY, doubt: 0.0 };
     }
+    // Where time ended before a pixel's second sample, take the one it has to vary as those of other pixels do.
+    let variance = if untold > 0.0 { told + untold * each / random } else { told };
     if variance == 0.0 {
-        return Noise { error: 0.0, doubt: 0.0, factor: 1.0 };
+        return Noise { error: 0.0, doubt: 0.0 };
     }
     // The variance of a squared normal number is twice its mean squared, and the true error varies as much; a root halves deviations.
-    let doubt = squared.sqrt() / about;
-    let factor = paired / spread;
-    Noise { error: (variance / shown).sqrt() / (light / shown).abs(), doubt, factor: if factor.is_finite() { factor } else { 1.0 } }
+    Noise { error: (variance / shown).sqrt() / (light / shown).abs(), doubt: squared.sqrt() / about }
 }
 
 /// The level at which a picture will be good enough, or the next one on the way there.
@@ -148,6 +143,15 @@ mod tests {
         let found = error(&|number| if number % 4 == 0 { 1 } else { 16 });
         assert!((found / truth - 1.0).abs() < 0.05, "{found} {truth}");
         assert_eq!(error(&|_| 1), f64::INFINITY);
+        // What was not left to chance says nothing of what is.
+        let exact = |samples: u64| {
+            let mut pixels = pixels(&|number| if number % 2 == 0 { 1 } else { samples });
+            pixels.iter_mut().step_by(2).for_each(|pixel| pixel.exact = true);
+            noise(&pixels).error
+        };
+        assert_eq!(exact(1), f64::INFINITY);
+        let (found, truth) = (exact(16), (0.5 / 16.0 / 12.0f64).sqrt() / 0.5);
+        assert!((found / truth - 1.0).abs() < 0.05, "{found} {truth}");
     }
 
     #[test]
@@ -155,7 +159,8 @@ mod tests {
         for few in [2, 3] {
             let rendering = Rendering::of(pixels(&|number| if number % 4 == 0 { u64::from(few) } else { 16 }));
             let mean = |count: u32| {
-                let variances = rendering.pixels.iter().filter(|pixel| pixel.samples() == count).map(|pixel| rendering.variance(pixel).x);
+                let all = rendering.pixels.iter().zip(rendering.variances(80));
+                let variances = all.filter(|(pixel, _)| pixel.samples() == count).map(|(_, variance)| variance.x);
                 variances.clone().sum::<f64>() / variances.count() as f64
             };
             // Two sets of one sample and of two weigh alike.
