@@ -21,6 +21,7 @@ mod polish;
 mod random;
 mod walk;
 
+pub use check::is_possible;
 pub use parameter::{Parameter, anywhere};
 
 use crate::error::{Error, Result};
@@ -145,9 +146,6 @@ const POLISH: f64 = 0.45;
 const LUCK: (f64, f64) = (4.0, 0.5);
 /// How often the lowest value of a walk must have been measured before it is believed.
 const BELIEVED: u32 = 3;
-/// The largest chi-squared that can be reckoned with: sums and differences of two are finite.
-const LARGEST: f64 = 1e307;
-
 impl Annealer {
     /// A search that has not begun. Fails if there is nothing to search for or a bound is not a number.
     pub fn new(parameters: Vec<Parameter>, mut options: Options) -> Result<Self> {
@@ -220,11 +218,10 @@ impl Annealer {
         })
     }
 
-    /// Takes the chi-squared of the proposal. One that is no number, or too large to reckon with (beyond 1e307), marks it as impossible. Does
-    /// nothing when the search is over.
+    /// Takes the chi-squared of the proposal, which may be one that [is not possible](is_possible). Does nothing when the search is over.
     pub fn tell(&mut self, chi2: f64) {
         let Some(Next { values, purpose }) = self.next.take() else { return };
-        let chi2 = if chi2.abs() <= LARGEST { chi2 } else { f64::MAX };
+        let chi2 = if is_possible(chi2) { chi2 } else { f64::MAX };
         let mut random = self.random();
         self.told += 1;
         let index = self.trials.len();
@@ -294,11 +291,6 @@ impl Annealer {
     /// Evaluations so far.
     pub fn told(&self) -> usize {
         self.told
-    }
-
-    /// Whether all that was told is the same number: then nothing was learnt.
-    pub fn is_flat(&self) -> bool {
-        self.trials.windows(2).all(|pair| pair[0].chi2 == pair[1].chi2)
     }
 
     /// What is searched for.
@@ -375,7 +367,9 @@ impl Annealer {
             let (unit, step) = walk.step(&self.trials, &self.parameters, &self.options.groups, progress, random);
             return Some(Next { values: self.values(&unit), purpose: Purpose::Step(step) });
         }
-        if let Some(trial) = self.lowest(self.stage, 1).filter(|&trial| !repeats && self.trials[trial].times < BELIEVED) {
+        // The last evaluation is the answer's own.
+        let spared = repeats || self.is_last() && self.fit().is_some();
+        if let Some(trial) = self.lowest(self.stage, 1).filter(|&trial| !spared && self.trials[trial].times < BELIEVED) {
             return Some(self.again(trial));
         }
         if self.options.polish {
@@ -404,7 +398,7 @@ impl Annealer {
             return None;
         }
         // The answer is to be measured itself: before the tolerance ends the search, and with the last evaluation.
-        let unit = if tight || self.told + 1 >= self.options.steps { minimum.or(next) } else { next };
+        let unit = if tight || self.is_last() { minimum.or(next) } else { next };
         unit.map(|unit| Next { values: self.values(&unit), purpose: Purpose::Polish })
     }
 
@@ -430,6 +424,11 @@ impl Annealer {
         (0..self.trials.len())
             .filter(|&i| self.trials[i].stage == stage && self.trials[i].times >= times)
             .min_by(|&a, &b| self.trials[a].chi2.total_cmp(&self.trials[b].chi2))
+    }
+
+    /// Whether no more than one evaluation is left.
+    fn is_last(&self) -> bool {
+        self.told + 1 >= self.options.steps
     }
 
     fn fit(&self) -> Option<&Fit> {

@@ -1,6 +1,14 @@
-//! Whether a search that was read back can be gone on with: a file may be damaged, or made by hand.
+//! Whether a search that was read back can be gone on with: a file may be damaged, or made by hand. And whether a chi-squared can be reckoned with.
 
-use super::{Annealer, LARGEST, Purpose};
+use super::{Annealer, Purpose};
+
+/// The largest chi-squared that can be reckoned with: sums and differences of two are finite.
+const LARGEST: f64 = 1e307;
+
+/// Whether a chi-squared can be reckoned with: it is a number, and none beyond 1e307. What has another is impossible.
+pub fn is_possible(chi2: f64) -> bool {
+    chi2.abs() <= LARGEST
+}
 
 impl Annealer {
     /// Whether all parts fit together, so that going on cannot fail.
@@ -12,10 +20,7 @@ impl Annealer {
         Self::new(self.parameters.clone(), self.options.clone()).is_ok()
             && self.stage < self.options.stages.len()
             && self.trials.iter().all(|trial| {
-                within(&trial.values)
-                    && (trial.chi2.abs() <= LARGEST || trial.chi2 == f64::MAX)
-                    && trial.times > 0
-                    && trial.stage <= self.stage
+                within(&trial.values) && (is_possible(trial.chi2) || trial.chi2 == f64::MAX) && trial.times > 0 && trial.stage <= self.stage
             })
             && self.trials.iter().map(|trial| trial.times as usize).sum::<usize>() == self.told
             && self.walk.as_ref().is_none_or(|walk| walk.is_consistent(count, trials))

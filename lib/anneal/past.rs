@@ -10,6 +10,11 @@ impl Annealer {
         self.trials.iter().map(|t| (&t.values[..], Some(t.chi2).filter(|&c| c < f64::MAX && t.stage == self.stage)))
     }
 
+    /// Whether all that was told is the same number: then nothing was learnt.
+    pub fn is_flat(&self) -> bool {
+        self.trials.windows(2).all(|pair| pair[0].chi2 == pair[1].chi2)
+    }
+
     /// The correlations of the errors that noise in the picture makes, by the curvature of chi-squared; `None` before the polish knows it.
     pub fn correlations(&self) -> Option<Symmetric> {
         Some(self.fit()?.hessian.inverse()?.correlations())

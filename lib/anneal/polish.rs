@@ -194,7 +194,8 @@ impl Polish {
         let z = root.times(&step);
         let value = quadratic.at(&z);
         let errors = back.around(&quadratic.minimum_covariance(&positive, &z));
-        let error = |i| Some(errors.at(i, i).max(0.0).sqrt()).filter(|e| e.is_finite()).unwrap_or(f64::MAX);
+        let slack = student(quadratic.freedom);
+        let error = |i| Some(slack * errors.at(i, i).max(0.0).sqrt()).filter(|e| e.is_finite()).unwrap_or(f64::MAX);
         // The new region is the level line EDGE deviations up; at the edge of the old one, as far up as this step went down.
         if quadratic.freedom > variables as f64 {
             self.noise = self.noise.min(quadratic.scatter * (1.0 + SLACK / quadratic.freedom.sqrt()));
@@ -260,6 +261,13 @@ impl Polish {
         }
         step
     }
+}
+
+/// How many times as far as two standard errors what is as rare lies out where those are known from so many degrees of freedom, at least 1: Student's
+/// distribution beside the normal one (Abramowitz and Stegun 1964, equation 26.7.5, for 2).
+fn student(freedom: f64) -> f64 {
+    let part = 1.0 / freedom.max(1.0);
+    1.0 + part * (1.25 + part * (1.53 + part * 1.43))
 }
 
 impl Quadratic {

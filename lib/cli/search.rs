@@ -5,7 +5,7 @@ use super::kept::Asked;
 use super::stream::{Output, file, plain};
 use super::{Console, Outcome};
 use crate::anneal::linear::Symmetric;
-use crate::anneal::{Annealer, End, Options};
+use crate::anneal::{Annealer, End, Options, is_possible};
 use crate::error::{Error, Result};
 use crate::metric::Loss;
 use crate::rad::{Document, decode};
@@ -200,7 +200,7 @@ impl Search {
     /// Takes the chi-squared of the proposal.
     pub fn tell(&mut self, chi2: f64) -> Result<()> {
         let annealer = &mut self.kept.annealer;
-        if annealer.told() == 0 && !chi2.is_finite() {
+        if annealer.told() == 0 && !is_possible(chi2) {
             return Err(Error::new(format!("the chi-squared of the start is {chi2}: the start must be possible")));
         }
         annealer.tell(chi2);
