@@ -226,10 +226,12 @@ impl<'a> Comparison<'a> {
                 Some(_) => m.without_variance += 1,
             }
             m.mse += v.weight * square;
-            // Where all is black there is nothing to be relative to.
             if average > 0.0 {
                 m.relmse += v.weight * square / relative_to(v.a, average);
                 m.mape += v.weight * difference / (v.a.abs() + EPSILON * average);
+            } else if difference > 0.0 {
+                // Where all is black anything is infinitely more.
+                (m.relmse, m.mape) = (f64::INFINITY, f64::INFINITY);
             }
             m.peak = m.peak.max(v.a);
             if difference > m.max {
@@ -318,6 +320,11 @@ mod tests {
         assert_eq!((m.rmse(), m.psnr()), ((5.25f64 / 6.0).sqrt(), 10.0 * (16.0 * 6.0 / 5.25f64).log10()));
         let black = picture(&[[0.0; 3]]);
         assert_eq!(Comparison::new(named(&black), named(&black), None, None).unwrap().measure().psnr(), f64::INFINITY);
+        let relative = |b: &Picture| {
+            let m = Comparison::new(named(&black), named(b), None, None).unwrap().measure();
+            [m.relmse, m.mape]
+        };
+        assert_eq!((relative(&black), relative(&picture(&[[1.0; 3]]))), ([0.0; 2], [f64::INFINITY; 2]));
     }
 
     #[test]

@@ -76,8 +76,8 @@ pub struct Photo {
     #[command(flatten)]
     pub view: ViewWords,
 
-    /// What was photographed: a high-dynamic-range picture, in radiance. What the header of a rendering says of -ab, -av, -me, -dr, -dj and -ds, or its
-    /// program's defaults, holds where these are not typed
+    /// What was photographed: a high-dynamic-range picture, in radiance. What the header of a rendering says of how light was reckoned with (-ab, -av,
+    /// -ss, -lr and others), or its program's defaults, holds where it is not typed
     #[arg(long, value_name = "PICTURE", requires = "scene", conflicts_with = "exec")]
     pub target: Option<String>,
 

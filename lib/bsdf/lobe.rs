@@ -93,7 +93,7 @@ pub fn power_reflection(powers: [f64; 2], wo: Vec3, wi: Vec3) -> f64 {
     let Some(h) = (wo + wi).try_normalize() else { return 0.0 };
     let sin2 = h.x * h.x + h.y * h.y;
     let gloss = if sin2 > 0.0 { h.z.powf((powers[0] * h.x * h.x + powers[1] * h.y * h.y) / sin2) } else { 1.0 };
-    let norm = ((powers[0] + 1.0) * (powers[1] + 1.0)).sqrt() / (8.0 * PI * wi.dot(h) * wi.z.max(wo.z.max(0.001)));
+    let norm = (powers[0] + 1.0).sqrt() * (powers[1] + 1.0).sqrt() / (8.0 * PI * wi.dot(h) * wi.z.max(wo.z.max(0.001)));
     gloss * norm * wi.z
 }
 
