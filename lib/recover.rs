@@ -142,6 +142,12 @@ impl<'a> Effort<'a> {
         (self.until)().is_some_and(|until| Instant::now() >= until)
     }
 
+    /// The end of the first of so many equal parts of the time that is left.
+    pub fn part(&self, parts: u32) -> Option<Instant> {
+        let now = Instant::now();
+        (self.until)().map(|until| now + until.saturating_duration_since(now) / parts)
+    }
+
     /// Whether there is time for one more look that takes as long as those since `begin` on the average.
     pub fn affords_another(&self, begin: Instant, looks: u32) -> bool {
         !self.quick && (self.until)().is_none_or(|until| Instant::now() + begin.elapsed() / looks <= until)

@@ -20,7 +20,7 @@ const FAKE: &str = r#"awk '/^5 /{printf "%.17g\n", .02+($2-.8)^2+($3-.6)^2+($4-.
 
 /// How often to kill.
 fn faults() -> u64 {
-    std::env::var("FAULTS").ok().and_then(|count| count.parse().ok()).unwrap_or(20)
+    std::env::var("FAULTS").ok().and_then(|count| count.parse().ok()).unwrap_or(12)
 }
 
 fn directory() -> TempDir {

@@ -20,7 +20,7 @@ const ROOM: &str = "void plastic white 0 0 5 .75 .75 .75 0 0\nvoid plastic carpe
 
 #[test]
 fn paint_is_known_and_nothing_is_suspected() {
-    let view = "-vp 1 .3 1.5 -vd .4 1 0 -vh 60 -vv 50 -x 80 -y 80 --spp 512 --seed 6 -ab 3 -o target.hdr";
+    let view = "-vp 1 .3 1.5 -vd .4 1 0 -vh 60 -vv 50 -x 64 -y 64 --spp 512 --seed 6 -ab 3 -o target.hdr";
     let directory = photographed("plastic it 0 0 5 .7 .6 .45 .03 .15", ROOM, view);
     let out = recovered(directory.path(), "-ab 3 -vp 1 .3 1.5 -vd .4 1 0 -vh 60 -vv 50 --scene scene.rad --target target.hdr start.rad");
     for (name, truth) in [("red", 0.7), ("green", 0.6), ("blue", 0.45), ("spec", 0.03)] {
@@ -42,7 +42,7 @@ fn a_patch_of_sun_on_the_floor_lights_what_is_in_the_shade() {
                  it sphere ball 0 0 4 2.9 3.2 .5 .4\n";
     let view = "-vp 1.2 .6 1.6 -vd 1.7 2.4 -1 -vh 24 -vv 24 -ab 3";
     let directory =
-        photographed("plastic it 0 0 5 .5 .3 .2 .05 .1", scene, &format!("{view} -x 40 -y 40 --spp 2000 --seed 6 -o target.hdr"));
+        photographed("plastic it 0 0 5 .5 .3 .2 .05 .1", scene, &format!("{view} -x 40 -y 40 --spp 1000 --seed 6 -o target.hdr"));
     let out = recovered(directory.path(), &format!("{view} --scene scene.rad --target target.hdr start.rad"));
     for (name, truth) in [("red", 0.5), ("green", 0.3), ("blue", 0.2), ("spec", 0.05), ("rough", 0.1)] {
         let (value, error) = said(&out, name);

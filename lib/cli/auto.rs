@@ -98,13 +98,16 @@ impl<'c, 'a> Comparison<'c, 'a> {
     /// Some of the unknowns, at their places, tried on a sample; what they were found to be before lies `around`.
     fn tried(&mut self, unknowns: &[Unknown], places: &[usize], around: &[Vec<f64>], sample: &Sample) -> Result<Vec<Trial>> {
         let mut trials = Vec::new();
-        for &i in places {
+        for (tried, &i) in places.iter().enumerate() {
             let unknown = &unknowns[i];
             self.photo.take_for(unknown.clone())?;
             let otherwise = self.photo.otherwise()?;
             let evidence = Evidence { mask: Some(&sample.mask), otherwise: otherwise.as_ref(), ..self.photo.evidence() };
             let tell = |so_far: &str| self.console.progress(|| format!("{}: {so_far}", unknown.material().kind));
-            let effort = Effort { around: around.get(i).and_then(|values| near(unknown, values)), ..self.effort };
+            // An even share of half the time that is left: the other half is to recover the best in.
+            let end = self.effort.part(2 * (places.len() - tried) as u32);
+            let until = || (self.effort.until)().into_iter().chain(end).min();
+            let effort = Effort { around: around.get(i).and_then(|values| near(unknown, values)), until: &until, ..self.effort };
             trials.push(Trial::new(unknown, recover(&evidence, unknown, self.photo.material(), effort, &tell)?));
         }
         Ok(trials)
@@ -134,7 +137,7 @@ impl<'c, 'a> Comparison<'c, 'a> {
                 trials.splice(i..=i, former);
             }
         }
-        if !verdict.is_sure() && self.pixels.len() > few {
+        if !verdict.is_sure() && self.pixels.len() > few && !self.effort.late() {
             let (first, around) = (verdict, found(&trials));
             let possible = those(&|i| !first.rivals[i].1.is_out());
             sample = Sample::of(&self.photo.evidence(), &self.pixels, more);

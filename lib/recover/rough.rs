@@ -6,13 +6,12 @@ use super::fit::{Point, Problem, Valley};
 use super::gram::Gram;
 use super::look::{Look, Model, Traced};
 use super::model::Kind;
-use super::seen::scattered;
+use super::seen::{scattered, traced_in_time};
 use super::sheet::Sheet;
 use super::{Effort, Evidence, Recovery, Seeds};
 use crate::anneal::{Annealer, Options};
 use crate::error::Result;
 use crate::scene::MaterialId;
-use crate::transport::Basis;
 use crate::unknown::Unknown;
 use rayon::prelude::*;
 pub use stage::{SMOOTHEST, faint};
@@ -29,8 +28,6 @@ const FIRST_SAMPLES: [u32; 2] = [16, 64];
 const LAST_PIXELS: usize = 2000;
 const LAST_SAMPLES: [usize; 2] = [400_000, 100_000];
 const LAST_OF_PIXEL: usize = 1500;
-/// Of so many parts of them the first tells how long they take.
-const PARTS: u32 = 8;
 
 /// Evaluations of the annealing.
 const STEPS: usize = 2000;
@@ -121,24 +118,11 @@ pub fn recover(sought: &Sought, effort: Effort, enough: &dyn Fn(&Recovery) -> bo
         let mut stage = Stage::wide(sought);
         stage.know(&found.values, true);
         let samples = (LAST_SAMPLES[faint as usize] / sheet.numbers.len()).min(LAST_OF_PIXEL);
-        let basis = in_time(&stage, sheet.numbers, samples as u32, effort, seeds.next());
+        let (basis, _) = traced_in_time(&stage, sheet.numbers, samples as u32, (effort.until)(), seeds.next());
         let traced = Traced { sheet: &sheet, model: &stage, basis: &basis };
         return Ok(closer.averaged(looked.found, &looked.aside, traced));
     }
     unreachable!("the last look ends")
-}
-
-/// Traces so many samples of pixels in each half, or as many of them as there seems to be time for after a part.
-fn in_time(stage: &Stage, pixels: &[usize], samples: u32, effort: Effort, seed: u64) -> Basis {
-    let (begin, tried) = (Instant::now(), samples.div_ceil(PARTS));
-    let mut basis = stage.trace_all(pixels, tried, seed);
-    let left = |until: Instant| until.saturating_duration_since(Instant::now()).as_secs_f64() / begin.elapsed().as_secs_f64();
-    let time = (effort.until)().map_or(f64::INFINITY, left);
-    let more = (samples - tried).min((time * f64::from(tried)) as u32);
-    if more > 0 {
-        basis.join(&stage.trace(pixels, &vec![tried..tried + more; 2 * pixels.len()], seed));
-    }
-    basis
 }
 
 /// About what the values are: a look at all roughnesses, by some of the pixels in this order.
@@ -146,7 +130,8 @@ fn begun(sought: &Sought, effort: Effort, order: &[usize], seeds: &mut Seeds) ->
     let Sought { evidence, unknown, kind, .. } = *sought;
     let (stage, sheet) = (Stage::wide(sought), some(evidence, order, FIRST_PIXELS));
     let samples = FIRST_SAMPLES[kind.anisotropic as usize];
-    let gram = Gram::new(&stage.trace_all(sheet.numbers, samples, seeds.next()), &sheet.target, &sheet.relative);
+    let (basis, _) = traced_in_time(&stage, sheet.numbers, samples, effort.part(2), seeds.next());
+    let gram = Gram::new(&basis, &sheet.target, &sheet.relative);
     let problem = Problem { gram: &gram, coefficients: &|v| stage.coefficients(v), bounds: &unknown.bounds() };
     let found = search(&problem, &stage, unknown, effort.seed)?;
     Ok(match unknown.parameters().iter().position(|p| p.name == "tspec") {

@@ -32,7 +32,8 @@ const TELLING: usize = 2;
 const QUICK: f64 = 20_000.0;
 const QUICK_EACH: f64 = 32.0;
 
-/// Where time is limited: the part of the pixels of the first round that is always looked at, and that of the time left which tracing may take.
+/// Where time is limited: the part of the pixels of the first round, or of their samples, that is always looked at, and that of the time left which
+/// tracing may take.
 const TRIED: f64 = 0.1;
 const TRACED: f64 = 0.8;
 
@@ -77,8 +78,7 @@ impl Seen {
 
     /// The time until then, in terms of the time that it took to see so much.
     pub fn time_left(&self, until: Option<Instant>) -> f64 {
-        let left = |until: Instant| until.saturating_duration_since(Instant::now()).as_secs_f64() / self.begin.elapsed().as_secs_f64();
-        until.map_or(f64::INFINITY, left)
+        time_left(self.begin, until)
     }
 
     /// Looks at more: `growth` makes of how many times as much is wanted what is added, in terms of what there is. Samples go to pixels by their
@@ -103,22 +103,44 @@ impl Seen {
     }
 }
 
+/// The time until then, in terms of the time since some other.
+fn time_left(begin: Instant, until: Option<Instant>) -> f64 {
+    let left = |until: Instant| until.saturating_duration_since(Instant::now()).as_secs_f64() / begin.elapsed().as_secs_f64();
+    until.map_or(f64::INFINITY, left)
+}
+
+/// What so many samples of each of these pixels in each half show, or as many of those as a part of them tells that there is time for; and how many.
+pub fn traced_in_time(model: &dyn Model, pixels: &[usize], samples: u32, until: Option<Instant>, seed: u64) -> (Basis, u32) {
+    let begin = Instant::now();
+    let tried = if until.is_some() { (TRIED * f64::from(samples)).ceil() as u32 } else { samples };
+    let mut basis = model.trace_all(pixels, tried, seed);
+    let more = (TRACED * time_left(begin, until) * f64::from(tried)).min(f64::from(samples - tried)) as u32;
+    if more > 0 {
+        basis.join(&model.trace(pixels, &vec![tried..tried + more; 2 * pixels.len()], seed));
+    }
+    (basis, tried + more)
+}
+
 impl Look<'_> {
     /// What is seen first.
     pub fn first(&self, model: &dyn Model, seed: u64) -> Seen {
         let (mut pixels, foreseen) = self.order(model);
         let begin = Instant::now();
         let all = pixels.len() as f64;
+        let until = (self.effort.until)();
+        if self.effort.quick {
+            let each = (QUICK / all).clamp(QUICK_EACH, EACH) as u32;
+            let (basis, each) = traced_in_time(model, &pixels, each, until, seed);
+            return Seen { pixels, count: all, each: each.into(), foreseen, seed, basis, begin };
+        }
         let (first, each) = match &foreseen {
             Some(first) => (first.pixels as f64, f64::from(first.samples)),
-            None if self.effort.quick => (all, (QUICK / all).clamp(QUICK_EACH, EACH).floor()),
             None => {
                 let first = (FIRST / model.least()).floor().min(all);
                 (first, (FIRST / first).min(EACH).floor())
             }
         };
         // Where time is limited, some of the pixels tell how many of them there is time for.
-        let until = (self.effort.until)().filter(|_| !self.effort.quick);
         let count = if until.is_some() { (first * TRIED).ceil() } else { first };
         let basis = model.trace_all(&pixels[..count as usize], each as u32, seed);
         pixels.truncate((MOST_BYTES / (6.0 * 4.0 * basis.columns as f64)).max(count) as usize);
