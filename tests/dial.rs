@@ -66,7 +66,7 @@ fn the_error_that_is_told_is_the_true_one_and_what_was_asked_for() {
     let (mut pairs, mut off, mut asked, mut missed) = (0, Vec::new(), 0, Vec::new());
     for thing in 0..THINGS.len() {
         let scene = scene(directory.path(), thing);
-        let better = picture(&scene, &["--spp", "4096", "--seed", "99"]);
+        let better = picture(&scene, &["--spp", "2048", "--seed", "99"]);
         // Sky alone does not count.
         let surface: Vec<bool> = ["dull", "shiny", "brass", "glass"].iter().fold(vec![false; better.pixels.len()], |mut all, name| {
             let output = run(&[&VIEW[..], &["--coverage", name, "--exr", &scene]].concat());

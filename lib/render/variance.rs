@@ -15,26 +15,27 @@ const REACH: usize = 2;
 const FEWEST: u32 = 8;
 
 /// The estimated variance of the mean of each of these pixels in rows of `width`, of each channel: as its groups show it, times what the sequences gain
-/// around it; of one with too few samples for that, as its two sequences do. Infinite where there are fewer than two.
+/// around it; of one with too few samples for groups, as its two sequences do. Infinite where there are fewer than two.
 pub(super) fn variances(pixels: &[Pixel], width: usize) -> Vec<Rgb> {
     let size = [width, pixels.len() / width.max(1)];
-    let gains: Vec<Option<f64>> = pixels.par_iter().map(gain).collect();
+    let told: Vec<Option<[f64; 2]>> = pixels.par_iter().map(told).collect();
     let variance = |number: usize| {
-        let near: Vec<f64> = around(number, size, REACH).filter_map(|n| gains[n]).collect();
-        match gains[number] {
-            Some(_) => pixels[number].spread().0 * (near.iter().sum::<f64>() / near.len() as f64),
-            None => pixels[number].variance().0,
-        }
+        let pixel = &pixels[number];
+        let near = around(number, size, REACH).filter(|&n| (pixels[n].samples() < FEWEST) == (pixel.samples() < FEWEST));
+        let [variance, spread] = near.filter_map(|n| told[n]).fold([0.0; 2], |sum, two| [0, 1].map(|i| sum[i] + two[i]));
+        if told[number].is_some() { pixel.spread().0 * (variance / spread) } else { pixel.variance().0 }
     };
     (0..pixels.len()).into_par_iter().map(variance).collect()
 }
 
-/// What its two sequences say of a pixel's variance, in terms of what its groups do; `None` where these say too little, or that there is none.
-fn gain(pixel: &Pixel) -> Option<f64> {
+/// What its two sequences say of a pixel's variance, and what its groups do: in terms of that where they have many samples, so that a bright one counts no
+/// more than those beside it. `None` where groups say nothing, or that there is none.
+fn told(pixel: &Pixel) -> Option<[f64; 2]> {
     let (variance, spread) = (pixel.variance().1, pixel.spread().1);
-    // Over squares of so many normal numbers the mean of a square is larger than its own (Fisher's distribution).
+    // Over the squares of so many normal numbers the mean of a square is larger than its own (Fisher's distribution).
     let freedom = f64::from(pixel.samples().min(GROUPS as u32)) - SETS as f64;
-    (pixel.samples() >= FEWEST && spread > 0.0).then(|| variance / spread * (freedom - 2.0) / freedom)
+    let whole = if pixel.samples() < FEWEST { [variance, spread] } else { [variance / spread * (freedom - 2.0) / freedom, 1.0] };
+    (spread > 0.0 && spread.is_finite()).then_some(whole)
 }
 
 #[cfg(test)]
