@@ -14,7 +14,7 @@ const ROOM: &str = "void light warm 0 0 3 20 18 14\nwarm sphere bulb 0 0 4 .3 .2
 #[test]
 fn walls_that_light_each_other_are_as_white_as_they_are() {
     let view = "-vp 0 -.95 .3 -vd .1 1 -.3 -vh 75 -vv 75";
-    let directory = photographed("plastic it 0 0 5 .9 .7 .4 .1 .1", ROOM, &format!("{view} -x 32 -y 32 --spp 512 --seed 7 -o target.hdr"));
+    let directory = photographed("plastic it 0 0 5 .9 .7 .4 .1 .1", ROOM, &format!("{view} -x 24 -y 24 --spp 512 --seed 7 -o target.hdr"));
     let out = recovered(directory.path(), &format!("{view} --fix spec --fix rough --scene scene.rad --target target.hdr start.rad"));
     for (name, truth) in [("red", 0.9), ("green", 0.7), ("blue", 0.4)] {
         let (value, error) = said(&out, name);

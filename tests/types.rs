@@ -25,7 +25,7 @@ fn annealed(material: &str, shape: &str, options: &str) -> Output {
     fs::write(path.join("start.rad"), START).unwrap();
     fs::write(path.join("true.rad"), format!("void {material}\nvoid alias it thing\n")).unwrap();
     fs::write(path.join("scene.rad"), format!("{SCENE}{shape}")).unwrap();
-    let view = "-vp 0 -5 1 -vd 0 1 -.2 -vh 26 -vv 26 -x 48 -y 48 --spp 200 --seed 5 -ab 1 -o target.hdr true.rad scene.rad";
+    let view = "-vp 0 -5 1 -vd 0 1 -.2 -vh 26 -vv 26 -x 40 -y 40 --spp 200 --seed 5 -ab 1 -o target.hdr true.rad scene.rad";
     assert!(run(env!("CARGO_BIN_EXE_rtrace-rs"), path, view).status.success());
     run(env!("CARGO_BIN_EXE_anneal"), path, &format!("-ab 1 --scene scene.rad --target target.hdr {options} start.rad"))
 }
