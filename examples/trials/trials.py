@@ -26,7 +26,7 @@ red polygon behind1 0 0 12 2 -1.5 -1.5 2 0 -1.5 2 0 1.5 2 -1.5 1.5
 blue polygon behind2 0 0 12 2 0 -1.5 2 1.5 -1.5 2 1.5 1.5 2 0 1.5
 finish polygon pane 0 0 12 0 -.5 -.5 0 .5 -.5 0 .5 .5 0 -.5 .5
 """
-SECONDS = "3"
+SECONDS = "6"
 VIEW = "VIEW= -vtv -vp -3.1 -.9 .7 -vd 3.1 .9 -.66 -vu 0 0 1 -vh 21 -vv 21\n"
 NAMES = {"plastic": "red green blue spec rough", "metal": "red green blue spec rough", "trans": "red green blue spec rough trans tspec",
          "dielectric": "red green blue ior", "glass": "red green blue"}
