@@ -146,6 +146,7 @@ const POLISH: f64 = 0.45;
 const LUCK: (f64, f64) = (4.0, 0.5);
 /// How often the lowest value of a walk must have been measured before it is believed.
 const BELIEVED: u32 = 3;
+
 impl Annealer {
     /// A search that has not begun. Fails if there is nothing to search for or a bound is not a number.
     pub fn new(parameters: Vec<Parameter>, mut options: Options) -> Result<Self> {

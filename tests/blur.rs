@@ -133,7 +133,7 @@ fn noise_that_neighbours_share_is_not_taken_for_another_light() {
 #[test]
 fn another_light_is_told_however_wide_the_filter() {
     let lamp = |x: f64| format!("void light bulb 0 0 3 100 100 100\nbulb sphere lamp 0 0 4 {x} -3 4 .2\nit sphere s 0 0 4 0 0 0 1\n");
-    for radius in [0.0, 3.0] {
+    for radius in [0.0, 2.2, 3.0] {
         let view = format!("-x 96 -y 96 --spp 16 --filter {radius} -ab 0 -av .1 .1 .1 -o target.hdr");
         let directory = photographed("plastic it 0 0 5 .6 .4 .2 .05 .15", &lamp(-3.0), &view);
         fs::write(directory.path().join("scene.rad"), lamp(3.0)).unwrap();

@@ -51,6 +51,7 @@ fn another_exposure_is_said_and_a_bound_of_another_size_does_not_hide_it() {
     let out = told(plastic, [0.3; 3], "");
     assert!(out.contains("# warning: around the unknown the picture is 0.3 times as bright as the scene is"), "{out}");
     assert!(told(plastic, [179.0; 3], "").contains("as one in cd/m² is: divided by 179 it is in radiance"));
+    assert!(!told(plastic, [1.0; 3], "").contains("around the unknown"));
     let out = told(plastic, [0.3; 3], "--param exposure=.3:.001:1e5 --fix spec");
     found(&out, &[("exposure", 0.3), ("red", 0.6)], 0.02);
     assert!(!out.contains("around the unknown") && !out.contains("bound"), "{out}");
@@ -102,7 +103,7 @@ fn an_object_cut_out_on_black_is_told_by_what_it_fills() {
     assert!(run(env!("CARGO_BIN_EXE_rtrace-rs"), directory.path(), covered).status.success());
     let read = |name: &str| Picture::read(&fs::read(directory.path().join(name)).unwrap(), name).unwrap();
     let (whole, cover) = (read("target.hdr"), read("cover.hdr"));
-    for matte in [0.1, 0.95] {
+    for matte in [0.1, 0.5, 0.95] {
         let mut cut = whole.clone();
         cut.pixels.iter_mut().zip(&cover.pixels).filter(|(_, cover)| cover[0] < matte).for_each(|(pixel, _)| *pixel = [0.0; 3]);
         fs::write(directory.path().join("target.hdr"), cut.write_hdr().unwrap()).unwrap();
