@@ -201,7 +201,7 @@ impl Search {
     pub fn tell(&mut self, chi2: f64) -> Result<()> {
         let annealer = &mut self.kept.annealer;
         if annealer.told() == 0 && !is_possible(chi2) {
-            return Err(Error::new(format!("the chi-squared of the start is {chi2}: the start must be possible")));
+            return Err(Error::new(format!("the chi-squared of the start is {chi2:?}: the start must be possible")));
         }
         annealer.tell(chi2);
         (self.kept.chi2, self.kept.covariance, self.kept.asked) = (None, None, false);
