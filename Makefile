@@ -13,10 +13,10 @@ demo:
 	$(MAKE) -C examples/demo
 
 extremes:
-	cargo test --locked --release --test extremes -- --nocapture
+	cargo test --locked --release --test suite extremes:: -- --nocapture
 
 faults:
-	FAULTS=200 cargo test --locked --test faults -- --nocapture
+	FAULTS=200 cargo test --locked --test suite faults:: -- --nocapture
 
 raycast:
 	$(MAKE) -C examples/raycast

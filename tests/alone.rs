@@ -1,14 +1,8 @@
 //! What single pixels tell is not certain: the values follow them, so that nothing is left over there that would show an error.
 
-mod photograph;
-#[path = "photograph/said.rs"]
-mod said;
-#[path = "photograph/waves.rs"]
-mod waves;
-
-use photograph::photographed;
-use said::{recovered, said};
-use waves::SCENE;
+use crate::photograph::photographed;
+use crate::photograph::said::{recovered, said};
+use crate::photograph::waves::SCENE;
 
 #[test]
 fn a_highlight_smaller_than_a_pixel_leaves_the_roughness_open() {

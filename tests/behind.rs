@@ -1,11 +1,7 @@
 //! An unknown that stands behind a pane of glass, or is seen only in a mirror, is recovered as if it stood in the open.
 
-mod photograph;
-#[path = "photograph/said.rs"]
-mod said;
-
-use photograph::photographed;
-use said::{recovered, said};
+use crate::photograph::photographed;
+use crate::photograph::said::{recovered, said};
 
 const LIGHT: &str = "void brightfunc dim 2 .6+.4*Dz . 0 0\ndim glow g 0 0 4 1 1 1 0\ng source sky 0 0 4 0 0 1 360\n\
                      void light bulb 0 0 3 300 300 300\nbulb sphere lamp 0 0 4 -3 -4 4 .3\n";

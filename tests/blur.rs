@@ -1,18 +1,12 @@
 //! A picture whose pixels hold light of their neighbours: what filtered it is known from its header, or told, or found.
 
-mod photograph;
-#[path = "photograph/said.rs"]
-mod said;
-#[path = "photograph/waves.rs"]
-mod waves;
-
+use crate::photograph::said::{recovered, said};
+use crate::photograph::waves::SCENE;
+use crate::photograph::{photographed, run};
 use inverad::picture::Picture;
 use inverad::render::Filter;
-use photograph::{photographed, run};
-use said::{recovered, said};
 use std::fs;
 use std::path::Path;
-use waves::SCENE;
 
 const RADIUS: f64 = 0.7;
 const TRUTH: [(&str, f64); 5] = [("red", 0.8), ("green", 0.6), ("blue", 0.3), ("spec", 0.9), ("rough", 0.03)];

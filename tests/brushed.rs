@@ -1,11 +1,7 @@
 //! anneal recovers two roughnesses from a start at which they are the same.
 
-mod photograph;
-#[path = "photograph/said.rs"]
-mod said;
-
-use photograph::photographed;
-use said::{recovered, said};
+use crate::photograph::photographed;
+use crate::photograph::said::{recovered, said};
 use std::fs;
 
 #[test]

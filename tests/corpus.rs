@@ -1,7 +1,6 @@
 //! Real scene files, one by one: those that oconv accepts are loaded and rendered.
 
-#[path = "corpus/files.rs"]
-mod files;
+pub mod files;
 
 use files::corpus;
 use rayon::prelude::*;

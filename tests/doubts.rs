@@ -1,8 +1,6 @@
 //! anneal says what a picture cannot tell: values with the digits that they deserve, and a warning for what is not determined.
 
-mod photograph;
-
-use photograph::{photographed, run};
+use crate::photograph::{photographed, run};
 
 /// A ball alone, and one that a box and a cone shade and are mirrored in.
 const BALL: &str = "it sphere s 0 0 4 0 0 0 1\n";

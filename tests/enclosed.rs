@@ -1,12 +1,8 @@
 //! The paint of all walls of a closed room. Light meets the unknown again and again: half of what is seen met it more often than products of its
 //! coefficients tell.
 
-mod photograph;
-#[path = "photograph/said.rs"]
-mod said;
-
-use photograph::photographed;
-use said::{recovered, said};
+use crate::photograph::photographed;
+use crate::photograph::said::{recovered, said};
 
 const ROOM: &str = "void light warm 0 0 3 20 18 14\nwarm sphere bulb 0 0 4 .3 .2 .6 .1\n!genbox it room 2 2 2 -i | xform -t -1 -1 -1\n\
                     void plastic grey 0 0 5 .3 .3 .3 0 0\ngrey sphere ball 0 0 4 -.3 .5 -.6 .35\n";

@@ -1,16 +1,10 @@
 //! An exposure, or a white balance, as one more unknown of anneal; and what it leaves open.
 
-mod photograph;
-#[path = "photograph/said.rs"]
-mod said;
-#[path = "photograph/waves.rs"]
-mod waves;
-
+use crate::photograph::said::{recovered, said};
+use crate::photograph::waves::SCENE;
+use crate::photograph::{photographed, run};
 use inverad::picture::Picture;
-use photograph::{photographed, run};
-use said::{recovered, said};
 use std::fs;
-use waves::SCENE;
 
 /// What is said of a picture of something made of `material` that is brighter than the scene by `factors`.
 fn told(material: &str, factors: [f32; 3], options: &str) -> String {

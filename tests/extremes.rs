@@ -1,25 +1,16 @@
 //! The model at, near and beyond the ends of its parameters: finite, not negative, continuous where the model is, equal to the closed form
 //! where there is one, unchanged when the scene is scaled or moved.
 //!
-//! `cargo test --release --test extremes -- --nocapture` (`make extremes`) prints the table and draws more random scenes.
+//! `cargo test --release --test suite extremes:: -- --nocapture` (`make extremes`) prints the table and draws more random scenes.
 
-#[path = "extremes/chance.rs"]
 mod chance;
-#[path = "extremes/lamps.rs"]
 mod lamps;
-#[path = "extremes/lobes.rs"]
 mod lobes;
-#[path = "extremes/neighbours.rs"]
 mod neighbours;
-#[path = "extremes/places.rs"]
 mod places;
-#[path = "extremes/polished.rs"]
 mod polished;
-#[path = "extremes/search.rs"]
 mod search;
-#[path = "extremes/table.rs"]
 mod table;
-#[path = "extremes/transparent.rs"]
 mod transparent;
 
 use rayon::prelude::*;

@@ -1,7 +1,7 @@
 //! What goes wrong around the programs: kills at any moment, full disks, closed pipes, slow writers, Ctrl-C. Files are old or whole and
 //! new, a search goes on to the same bytes, memory stays what it was.
 //!
-//! `FAULTS=200 cargo test --release --test faults -- --nocapture` (`make faults`) kills more often and soaks longer.
+//! `FAULTS=200 cargo test --release --test suite faults:: -- --nocapture` (`make faults`) kills more often and soaks longer.
 
 #![cfg(target_os = "linux")]
 

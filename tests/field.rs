@@ -1,8 +1,6 @@
 //! The illumination field: environments measured at several places, `#@probe X Y Z GLOW_ID`, light each point by those near it.
 
-mod fed;
-
-use fed::fed;
+use crate::fed::fed;
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};

@@ -1,8 +1,6 @@
 //! White furnaces: a uniform environment of radiance 1, in which a surface shows its albedo.
 
-mod fed;
-
-use fed::fed;
+use crate::fed::fed;
 use serde_json::Value;
 use std::f64::consts::PI;
 use std::process::Command;

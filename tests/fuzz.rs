@@ -1,6 +1,6 @@
 //! The corpus of the fuzzers, replayed; and each of its files damaged at random, the same way each time.
 //!
-//! `FUZZ_RUNS=100000 cargo test --release --test fuzz -- --nocapture` damages more of them.
+//! `FUZZ_RUNS=100000 cargo test --release --test suite fuzz:: -- --nocapture` damages more of them.
 
 #[path = "../fuzz/targets.rs"]
 mod targets;

@@ -1,12 +1,8 @@
 //! Clear glass among small bright lights: few samples of a pixel find them, so that most pixels of a photograph are a little too dark. What holds
 //! back the few that are far too bright must not make the glass darker for that.
 
-mod photograph;
-#[path = "photograph/said.rs"]
-mod said;
-
-use photograph::photographed;
-use said::{recovered, said};
+use crate::photograph::photographed;
+use crate::photograph::said::{recovered, said};
 
 const SCENE: &str = "void brightfunc lights 2 1+if(sin(7*Dx+1)*sin(6*Dy+2)*sin(8*Dz)-.97,400,0) . 0 0\n\
                      lights glow sky 0 0 4 1 1.1 1.2 0\nsky source sky 0 0 4 0 0 1 360\n\

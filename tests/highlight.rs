@@ -1,11 +1,7 @@
 //! The highlight of a small lamp is a few pixels, and all that tells specularity and roughness: none of these is one pixel too many.
 
-mod photograph;
-#[path = "photograph/said.rs"]
-mod said;
-
-use photograph::photographed;
-use said::{recovered, said};
+use crate::photograph::photographed;
+use crate::photograph::said::{recovered, said};
 
 const SCENE: &str = "void light bulb 0 0 3 100 100 100\nbulb sphere lamp 0 0 4 3 -3 4 .2\nit sphere s 0 0 4 0 0 0 1\n";
 

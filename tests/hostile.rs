@@ -3,15 +3,10 @@
 
 #![cfg(target_os = "linux")]
 
-#[path = "hostile/bytes.rs"]
 mod bytes;
-#[path = "hostile/harness.rs"]
 mod harness;
-#[path = "hostile/parts.rs"]
 mod parts;
-#[path = "hostile/texts.rs"]
 mod texts;
-#[path = "hostile/words.rs"]
 mod words;
 
 use harness::refuse;

@@ -1,12 +1,9 @@
 //! imgdiff as a program: what it prints, how it ends, and its agreement with RADIANCE's own tools where they are installed.
 
-mod fed;
-mod skipped;
-
-use fed::fed;
+use crate::fed::fed;
+use crate::skipped::skipped;
 use inverad::picture::exr::{Plane, Planes};
 use inverad::picture::{Header, Picture};
-use skipped::skipped;
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};

@@ -1,12 +1,8 @@
 //! The paint of a wall in a room that daylight enters by a window. Few samples find the window: the rendering is noisy all over, and nothing of that
 //! noise may be taken for a fault of the picture.
 
-mod photograph;
-#[path = "photograph/said.rs"]
-mod said;
-
-use photograph::photographed;
-use said::{recovered, said};
+use crate::photograph::photographed;
+use crate::photograph::said::{recovered, said};
 
 const ROOM: &str = "void plastic white 0 0 5 .75 .75 .75 0 0\nvoid plastic carpet 0 0 5 .25 .2 .15 0 0\n\
                     it polygon back 0 0 12 0 4 0 4 4 0 4 4 3 0 4 3\n\

@@ -1,8 +1,6 @@
 //! A dielectric whose normals point into it: the commonest mistake with one, which nothing in the picture gives away.
 
-mod photograph;
-
-use photograph::{photographed, run};
+use crate::photograph::{photographed, run};
 use std::fs;
 
 const SKY: &str = "void brightfunc lights 2 1+if(sin(7*Dx+1)*sin(6*Dy+2)-.7,9,0) . 0 0\n\

@@ -2,10 +2,8 @@
 
 #![cfg(unix)]
 
-mod photograph;
-
+use crate::photograph::photographed;
 use inverad::picture::Picture;
-use photograph::photographed;
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Stdio};

@@ -1,11 +1,7 @@
 //! A picture that was rendered with its lamps taken for points, as RADIANCE takes them, and with one bounce: its header says so, and that suffices.
 
-mod photograph;
-#[path = "photograph/said.rs"]
-mod said;
-
-use photograph::{photographed, run};
-use said::{recovered, said};
+use crate::photograph::said::{recovered, said};
+use crate::photograph::{photographed, run};
 
 const ROOM: &str = "it sphere ball 0 0 4 0 0 0 .8\nvoid plastic floor 0 0 5 .3 .3 .3 0 0\nfloor ring ground 0 0 8 0 0 -.8 0 0 1 0 4\n\
                     void light panel 0 0 3 20 20 20\npanel polygon lamp 0 0 12 -.3 -1.3 2 -.3 -.7 2 .3 -.7 2 .3 -1.3 2\n";

@@ -1,11 +1,7 @@
 //! What a search by renderings follows, and that it tells chi-squared all the same.
 
-mod photograph;
-#[path = "photograph/said.rs"]
-mod said;
-
-use photograph::{photographed, run};
-use said::{recovered, said};
+use crate::photograph::said::{recovered, said};
+use crate::photograph::{photographed, run};
 use std::fs;
 
 const SCENE: &str = "void glow sky 0 0 4 1 1.2 1.5 0\nsky source all 0 0 4 0 0 1 360\nit sphere ball 0 0 4 0 0 0 1\n";

@@ -5,9 +5,7 @@
 
 #![cfg(unix)]
 
-mod skipped;
-
-use skipped::skipped;
+use crate::skipped::skipped;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::Command;

@@ -1,8 +1,6 @@
 //! Under an open sky a picture takes the whole of it for granted and leaves to chance what is hidden of it; single rays do not. Both must see the same.
 
-mod fed;
-
-use fed::fed;
+use crate::fed::fed;
 use std::fs;
 use std::path::Path;
 use std::process::Command;

@@ -1,11 +1,9 @@
 //! RADIANCE's picture format: identities over all bytes, bytes that RADIANCE wrote, and RADIANCE itself where it is installed.
 
-mod skipped;
-
+use crate::skipped::skipped;
 use inverad::picture::hdr::{Rgbe, decode, encode};
 use inverad::picture::{Format, Header, Picture};
 use proptest::prelude::*;
-use skipped::skipped;
 use std::io::Write;
 use std::process::{Command, Stdio};
 

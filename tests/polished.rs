@@ -1,11 +1,7 @@
 //! A surface whose roughness is up to .001 is a mirror with a Fresnel term in RADIANCE: what is found of it must be that.
 
-mod photograph;
-#[path = "photograph/said.rs"]
-mod said;
-
-use photograph::photographed;
-use said::{recovered, said};
+use crate::photograph::photographed;
+use crate::photograph::said::{recovered, said};
 
 /// A lamp under a sky, and the ball.
 const SCENE: &str = "void light lamp 0 0 3 100 90 80\nlamp sphere l 0 0 4 3 -4 5 .2\nvoid glow sky 0 0 4 .5 .6 .9 0\nsky source above 0 0 4 0 0 1 180\n\

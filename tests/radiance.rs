@@ -5,9 +5,7 @@
 //! mixture and light, whole and in parts, and how they meet. "tolerance" is relative, on each channel; "files" are base64. Vectors with a
 //! "fresnel_offset" were made with that constant.
 
-mod fed;
-
-use fed::fed;
+use crate::fed::fed;
 use serde_json::Value;
 use std::process::Command;
 

@@ -3,9 +3,7 @@
 //! `tests/rays/recorded.json` holds scenes and what RADIANCE 6.0a said: `oconv SCENE > s.oct; rtrace -w ARGS s.oct < INPUT`; binary
 //! output is in hexadecimal. Its Fresnel constant is that of releases before June 2026.
 
-mod fed;
-
-use fed::fed;
+use crate::fed::fed;
 use serde_json::Value;
 use std::path::Path;
 use std::process::{Command, Output};

@@ -1,12 +1,8 @@
 //! A pane before plain walls: hardly any noise, and all pixels of a wall alike. A RADIANCE picture rounds them alike too, a dark channel beside a
 //! bright one by percents, and no number of pixels averages that out.
 
-mod photograph;
-#[path = "photograph/said.rs"]
-mod said;
-
-use photograph::photographed;
-use said::{recovered, said};
+use crate::photograph::photographed;
+use crate::photograph::said::{recovered, said};
 
 const SCENE: &str = "void glow sky 0 0 4 .5 .6 .9 0\nsky source above 0 0 4 0 0 1 180\nvoid glow ground 0 0 4 .3 .2 .1 0\n\
                      ground source below 0 0 4 0 0 -1 180\nvoid plastic left 0 0 5 .6 .1 .1 0 0\nvoid plastic right 0 0 5 .1 .2 .6 0 0\n\

@@ -1,11 +1,8 @@
 //! rparse as a program and the rooms behind it: round trips, recorded answers of RADIANCE's programs, and RADIANCE itself over many
 //! real files where both are there.
 
-mod fed;
-#[path = "corpus/files.rs"]
-mod files;
-
-use fed::fed;
+use crate::corpus::files;
+use crate::fed::fed;
 use inverad::error::Source;
 use inverad::expand::{Flat, expand};
 use inverad::rad::{Document, Primitive};

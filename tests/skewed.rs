@@ -1,18 +1,12 @@
 //! Noise that is skewed, as where few samples of a pixel find a small lamp: a little too dark nearly everywhere, and far too bright here and there.
 //! What leads astray on the way is a part of the mean in the end, of a photograph and of a rendering.
 
-mod photograph;
-#[path = "photograph/said.rs"]
-mod said;
-#[path = "photograph/waves.rs"]
-mod waves;
-
+use crate::photograph::photographed;
+use crate::photograph::said::{recovered, said};
+use crate::photograph::waves::SCENE;
 use inverad::picture::Picture;
 use inverad::sampling::mix64;
-use photograph::photographed;
-use said::{recovered, said};
 use std::fs;
-use waves::SCENE;
 
 /// By how much of their light most pixels are too dark, and how many of a thousand make up for it.
 const LACK: f32 = 0.05;

@@ -1,12 +1,8 @@
 //! Where light hardly changes within a lobe, the picture changes with the square of the roughness, and its derivative is noise: what is said of
 //! the roughness, and of the colours that go with it, must hold all the same.
 
-mod photograph;
-#[path = "photograph/said.rs"]
-mod said;
-
-use photograph::photographed;
-use said::{recovered, said};
+use crate::photograph::photographed;
+use crate::photograph::said::{recovered, said};
 use std::fs;
 use std::path::Path;
 

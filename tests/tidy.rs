@@ -99,6 +99,17 @@ fn files_are_short_and_say_what_they_answer() {
 }
 
 #[test]
+fn no_test_is_left_out() {
+    let suite = read(&root().join("tests/suite.rs"));
+    for entry in read_dir(root().join("tests")).unwrap() {
+        let path = entry.unwrap().path();
+        let name = path.file_stem().unwrap().to_string_lossy().into_owned();
+        let is_used = path.is_dir() || name == "suite" || suite.contains(&format!("\nmod {name};"));
+        assert!(is_used, "tests/suite.rs does not name {name}");
+    }
+}
+
+#[test]
 fn what_the_readme_shows_is_there() {
     let slug = |title: &str| title.to_lowercase().replace(|c: char| !(c.is_alphanumeric() || " -".contains(c)), "").replace(' ', "-");
     for page in ["README.md", "MANUAL.md"] {

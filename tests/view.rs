@@ -1,11 +1,9 @@
 //! Views: the rays that RADIANCE's vwrays gives, recorded and live; sizes; view files and headers.
 
-mod skipped;
-
+use crate::skipped::skipped;
 use inverad::error::{Error, Result};
 use inverad::view::{Camera, View, ViewKind};
 use proptest::prelude::*;
-use skipped::skipped;
 use std::process::Command;
 
 /// What all recorded views share: oblique, shifted, with pixels of any shape.

@@ -1,9 +1,6 @@
 //! Where the real scene files are that tests read, if they are there.
 
-#[path = "../skipped/mod.rs"]
-mod skipped;
-
-use skipped::skipped;
+use crate::skipped::skipped;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};

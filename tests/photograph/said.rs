@@ -1,6 +1,6 @@
 //! What is said of a recovery.
 
-use crate::photograph::run;
+use super::run;
 use std::path::Path;
 
 /// What anneal writes in a directory; shown where a test fails.
