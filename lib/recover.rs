@@ -129,6 +129,8 @@ pub struct Recovery {
     /// How much of the derivative by each value is not noise, from 0 to 1. Empty in one that was kept.
     #[serde(skip)]
     pub clarity: Vec<f64>,
+    /// Whether each value surely would go on if a bound did not keep it.
+    pub pressed: Vec<bool>,
 }
 
 impl<'a> Effort<'a> {
@@ -193,6 +195,7 @@ impl Recovery {
             strays: vec![],
             saturated: vec![],
             clarity: vec![1.0; values.len()],
+            pressed: vec![false; values.len()],
         }
     }
 
@@ -242,6 +245,7 @@ impl Recovery {
         Known {
             covariance: self.covariance.clone(),
             common: Some(&self.common),
+            pressed: &self.pressed,
             misfit: self.misfit,
             blur: self.blur.filter(|blur| !blur.sought),
         }

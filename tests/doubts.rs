@@ -1,5 +1,7 @@
 //! anneal says what a picture cannot tell: values with the digits that they deserve, and a warning for what is not determined.
 
+use crate::photograph::said::{recovered, said};
+use crate::photograph::waves::SCENE;
 use crate::photograph::{photographed, run};
 
 /// A ball alone, and one that a box and a cone shade and are mirrored in.
@@ -158,5 +160,21 @@ fn so_is_a_small_one_that_a_held_value_does_not_explain() {
         let done = run(env!("CARGO_BIN_EXE_anneal"), directory.path(), &arguments);
         let said = String::from_utf8(done.stderr).unwrap();
         assert_eq!(said.contains("whole areas of the picture"), doubted, "{said}");
+    }
+}
+
+/// Specularity was 7 standard errors off, and nothing was said of the bound: within so narrow ones not much is determined.
+#[test]
+fn a_bound_that_keeps_a_value_from_the_truth_is_named_and_errors_hold_it() {
+    let truth = [("red", 0.8), ("green", 0.6), ("blue", 0.4), ("spec", 0.7), ("rough", 0.12)];
+    let directory = photographed("metal it 0 0 5 .8 .6 .4 .7 .12", SCENE, "-x 40 -y 40 --spp 300 --seed 5 -ab 1 -o target.exr");
+    for (bounded, bound) in [("red=.7:.6:.78", "red is at its upper bound 0.78"), ("spec=.6:.5:.68", "spec is at its upper bound 0.68")] {
+        let arguments = format!("-ab 1 --scene scene.rad --target target.exr --param {bounded} start.rad");
+        let out = recovered(directory.path(), &arguments);
+        assert!(out.contains(&format!("{bound}; if it may lie beyond, give --param ")), "{out}");
+        for (name, truth) in truth {
+            let (value, error) = said(&out, name);
+            assert!((value - truth).abs() < 3.0 * error && error < 0.05, "{name}: {value} ± {error}, not {truth}");
+        }
     }
 }

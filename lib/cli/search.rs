@@ -267,7 +267,8 @@ impl Search {
 
     /// What there is to say of some values.
     pub fn answer(&self, values: &[f64]) -> Answer<'_> {
-        let known = self.covariance().map(|covariance| Known { covariance, common: None, misfit: Misfit::default(), blur: None });
+        let known =
+            self.covariance().map(|covariance| Known { covariance, common: None, pressed: &[], misfit: Misfit::default(), blur: None });
         Answer::new(&self.unknown, values, known.as_ref())
     }
 

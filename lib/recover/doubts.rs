@@ -19,6 +19,8 @@ pub struct Known<'a> {
     pub covariance: Symmetric,
     /// What an error of `COMMON` that the pixels have in common does to them, if pixels were looked at.
     pub common: Option<&'a Symmetric>,
+    /// Which of them surely would go on if a bound did not keep them; none if that is not known.
+    pub pressed: &'a [bool],
     /// And how large an error they have seems to be.
     pub misfit: Misfit,
     /// How the picture is blurred, if there is any saying.
@@ -171,10 +173,8 @@ impl<'a> Errors<'a> {
             if partners.is_empty() {
                 standings[pivot] = Standing::Open;
                 // Where nothing explains the picture, no other light or view would; nor for what is held by a bound, which is said of it.
-                let p = &parameters[pivot];
-                let held = !is_roughness(p) && at_bound(p, values[pivot], None).is_some_and(|(_, bound)| may_exceed(unknown, p, bound));
-                if self.known.misfit.off() < ASTRAY && !held {
-                    doubts.push(format!("{} is not determined: {}; {help}", p.name, self.why(pivot)));
+                if self.known.misfit.off() < ASTRAY && held(unknown, pivot, values[pivot], self.known).is_none() {
+                    doubts.push(format!("{} is not determined: {}; {help}", parameters[pivot].name, self.why(pivot)));
                 }
             } else {
                 partners.iter().chain([&pivot]).for_each(|&i| standings[i] = Standing::Together);
@@ -269,6 +269,13 @@ pub fn at_bound(p: &Parameter, value: f64, error: Option<f64>) -> Option<(&'stat
     [("lower", p.low), ("upper", p.high)].into_iter().find(near)
 }
 
+/// The bound that surely keeps value i from going on, if one does that it may lie beyond.
+pub fn held(unknown: &Unknown, i: usize, value: f64, known: &Known) -> Option<(&'static str, f64)> {
+    let p = &unknown.parameters()[i];
+    let pressed = known.pressed.get(i).copied().unwrap_or(false);
+    at_bound(p, value, None).filter(|(_, bound)| pressed && may_exceed(unknown, p, *bound))
+}
+
 /// Whether what is at a bound may lie beyond it: no number of a material is less than nothing, no share of light more than all, nor what passes glass.
 pub fn may_exceed(unknown: &Unknown, p: &Parameter, bound: f64) -> bool {
     let passes = clear::KINDS.contains(&unknown.material().kind.as_str()) && COLORS.1.contains(&&p.name[..]);
@@ -350,7 +357,11 @@ mod tests {
             let r = |a, b| if a == b { 1.0 } else { r * f64::from((a, b) == (j.max(i), i.min(j))) };
             Symmetric::of(5, |a, b| r(a, b) * e[a] * ranges[a] * e[b] * ranges[b])
         };
-        judge(&unknown, &[0.6, 0.4, 0.2, 0.6, 0.1], &Known { covariance: matrix(seen), common: Some(&matrix(common)), misfit, blur: None })
+        judge(
+            &unknown,
+            &[0.6, 0.4, 0.2, 0.6, 0.1],
+            &Known { covariance: matrix(seen), common: Some(&matrix(common)), pressed: &[], misfit, blur: None },
+        )
     }
 
     #[test]
@@ -359,7 +370,7 @@ mod tests {
             let unknown =
                 Unknown::new(Document::parse(Source::new("m.rad", "void dielectric m 0 0 5 .5 .5 .5 1.5 0")).unwrap(), &Wishes::default());
             let (covariance, common) = (Symmetric::diagonal(&[1e-8; 4]), Symmetric::diagonal(&[1e-6; 4]));
-            judge(&unknown.unwrap(), &[0.5, 0.5, 0.5, 1.5], &Known { covariance, common: Some(&common), misfit, blur: None })
+            judge(&unknown.unwrap(), &[0.5, 0.5, 0.5, 1.5], &Known { covariance, common: Some(&common), pressed: &[], misfit, blur: None })
         };
         // As much as what all pixels have in common does to the colours, by half; of the index three times as much.
         let found = judged(Misfit { neighbours: 0.06, ..Misfit::default() });
@@ -438,7 +449,9 @@ mod tests {
             let unknown = Unknown::new(document, &Wishes::default()).unwrap();
             let blur = Some(Blur { taken: 0.0, sought: false, more, error: 1e-3 });
             let covariance = Symmetric::of(3, |i, j| 1e-6 * f64::from(i == j));
-            judge(&unknown, &[0.6, 0.4, 0.2], &Known { covariance, common: None, misfit: Misfit::default(), blur }).doubts.remove(0)
+            judge(&unknown, &[0.6, 0.4, 0.2], &Known { covariance, common: None, pressed: &[], misfit: Misfit::default(), blur })
+                .doubts
+                .remove(0)
         };
         assert!(said(1.0).contains("a filter of radius"), "{}", said(1.0));
         let far = said(1e6);

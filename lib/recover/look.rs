@@ -205,6 +205,9 @@ impl Look<'_> {
         let wished: Vec<f64> =
             self.parameters.iter().zip(&values).enumerate().map(|(i, (p, value))| self.effort.near(i, p, *value)).collect();
         let (influence, clarity) = (influence(&now, &variances, &wished), now.clarity());
+        // If a bound is not right that keeps one value from going on, all others are off too.
+        let (pressed, beyond) = now.pressed(self.bounds).unwrap_or_else(|| (vec![false; values.len()], vec![0.0; values.len()]));
+        now.covariance = Symmetric::of(values.len(), |i, j| now.covariance.at(i, j) + beyond[i] * beyond[j]);
         let losses = now.losses();
         let strays = now.strays(&losses);
         // What moved as far as the model can be trusted would have moved on.
@@ -233,6 +236,7 @@ impl Look<'_> {
             strays,
             saturated: vec![],
             clarity,
+            pressed,
         };
         Fit { found, influence, held, withheld }
     }

@@ -188,9 +188,13 @@ fn with_roughness(found: Recovery, slot: usize, least: f64, lobe: &Recovery, exc
     let variance = SPREAD + odds(excess) * (lobe.values[slot].powi(2) + moved(&lobe.covariance));
     let with = |matrix: &Symmetric, own: f64| with_one_more(matrix, slot, own);
     let (covariance, own, common) = (with(&found.covariance, variance), with(&found.own, 0.0), with(&found.common, moved(&lobe.common)));
-    let inserted = |values: &[f64], value: f64| [&values[..slot], &[value], &values[slot..]].concat();
-    let (values, clarity) = (inserted(&found.values, least.max(0.0)), inserted(&found.clarity, 1.0));
-    Recovery { values, clarity, covariance, own, common, ..found }
+    let (values, clarity) = (inserted(&found.values, slot, least.max(0.0)), inserted(&found.clarity, slot, 1.0));
+    Recovery { values, clarity, pressed: inserted(&found.pressed, slot, false), covariance, own, common, ..found }
+}
+
+/// A row with one more at a place.
+fn inserted<T: Clone>(row: &[T], place: usize, one: T) -> Vec<T> {
+    [&row[..place], &[one], &row[place..]].concat()
 }
 
 #[cfg(test)]

@@ -40,7 +40,7 @@ pub struct Prediction {
 impl Prediction {
     /// What would be known of the errors of the values.
     pub fn known(&self) -> Known<'_> {
-        Known { covariance: self.covariance.clone(), common: Some(&self.common), misfit: Misfit::default(), blur: None }
+        Known { covariance: self.covariance.clone(), common: Some(&self.common), pressed: &[], misfit: Misfit::default(), blur: None }
     }
 }
 

@@ -159,17 +159,30 @@ impl<'a> Scores<'a> {
 
     /// The same for values that stay inside their bounds: what is at one and would go beyond is held there, and the others go where that is best.
     pub fn step_within(&self, bounds: &[(f64, f64)]) -> Option<Vec<f64>> {
-        let (scores, values) = (self.scores(), &self.here.values);
+        let scores = self.scores();
         let mut step = times(self.inverse.as_ref()?, &scores);
-        let beyond = |i: usize, step: f64| step < 0.0 && values[i] <= bounds[i].0 || step > 0.0 && values[i] >= bounds[i].1;
         let mut free: Vec<usize> = (0..step.len()).collect();
-        while free.iter().any(|&i| beyond(i, step[i])) {
-            free.retain(|&i| !beyond(i, step[i]));
+        while free.iter().any(|&i| self.leaves(bounds, i, step[i])) {
+            free.retain(|&i| !self.leaves(bounds, i, step[i]));
             let asked: Vec<f64> = free.iter().map(|&i| scores[i]).collect();
             step.fill(0.0);
             times(&self.inverse_of(&free)?, &asked).into_iter().zip(&free).for_each(|(s, &i)| step[i] = s);
         }
         Some(step)
+    }
+
+    /// Whether a value is at a bound, and a step would lead beyond it.
+    fn leaves(&self, bounds: &[(f64, f64)], i: usize, step: f64) -> bool {
+        let (value, (low, high)) = (self.here.values[i], bounds[i]);
+        step < 0.0 && value <= low || step > 0.0 && value >= high
+    }
+
+    /// Which values bounds surely keep from going on, and how much farther all would go if they did not; `None` where none does.
+    pub fn pressed(&self, bounds: &[(f64, f64)]) -> Option<(Vec<bool>, Vec<f64>)> {
+        let (free, within, errors) = (self.step()?, self.step_within(bounds)?, self.covariance.deviations());
+        let surely = |i: usize| self.leaves(bounds, i, free[i]) && free[i].abs() > PRESSED * errors[i];
+        let pressed: Vec<bool> = (0..free.len()).map(surely).collect();
+        pressed.contains(&true).then(|| (pressed, free.iter().zip(&within).map(|(free, within)| free - within).collect()))
     }
 
     /// The score of each parameter.
@@ -366,6 +379,9 @@ pub const STEPS: usize = 24;
 /// How large the square of what was withheld must be, in terms of its variance, not to be chance, and not to be taken for chance.
 const SKEWED: f64 = 6.25;
 const PERHAPS: f64 = 2.25;
+
+/// By how many standard errors a value that is at a bound must be asked to go beyond it for that not to be chance.
+const PRESSED: f64 = 3.0;
 
 /// How much of what two halves are off by, in terms of their mean's square, they must have in common for it to be the photograph's: the mean of
 /// their squares is twice their product then.
