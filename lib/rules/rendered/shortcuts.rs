@@ -8,8 +8,9 @@ const HEAVY: f64 = 0.01;
 
 /// What the last renderer in a picture's header changed of the light of a scene with so many lamps: a sentence each. Of rough reflection only if
 /// something rough is sought, whose specularity may be as small as `least`. By how much, `rpict` told: of metal of roughness .1 opposite a window
-/// before a wall, the same with `-ss 2`, `8` and `16`; of a floor in a room, `-ab 2 -ad 1024` with `-aa .1` and `-aa 0`; of the walls of one,
-/// `-ab 2 -ad 400 -aa 0` with `-as 128` and `-as 0`; of a shade with one lamp in it and three beside, `-dt .05` and `-dt 0`.
+/// before a wall, the same with `-ss 2`, `8` and `16`; of a floor in a room, `-ab 2 -ad 1024` with `-aa .1` and `-aa 0`; of a screen of trans
+/// before a lamp, `-ab 2 -ad 512 -lw 0` with `-aa .1` and `-aa 0`; of the walls of one, `-ab 2 -ad 400 -aa 0` with `-as 128` and `-as 0`; of a
+/// shade with one lamp in it and three beside, `-dt .05` and `-dt 0`.
 pub fn shortcuts<'a>(lines: impl IntoIterator<Item = &'a str>, least: Option<f64>, lamps: usize) -> Vec<String> {
     let Some(command) = Command::last(lines, &PROGRAMS) else { return vec![] };
     let mut found = Vec::new();
@@ -51,7 +52,7 @@ pub fn shortcuts<'a>(lines: impl IntoIterator<Item = &'a str>, least: Option<f64
         && accuracy > 0.0
         && bounces > 0.0
     {
-        say(aa, "light that bounces is interpolated there, up to 1 % off by .1", "-aa 0");
+        say(aa, "light that bounces is interpolated there, 1 % off by .1 on a floor, 8 % on what light comes through near a lamp", "-aa 0");
     }
     if let Some((supersampling, samples)) = command.option("-as")
         && supersampling > 0.0
