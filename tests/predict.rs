@@ -1,5 +1,6 @@
 //! anneal --predict: the standard errors that a photograph would give are those that one gives.
 
+use crate::photograph;
 use inverad::picture::Picture;
 use inverad::sampling::mix64;
 use std::fs;
@@ -13,7 +14,7 @@ const BALL: &str = "it sphere s 0 0 4 0 0 0 1\n";
 const VIEW: &str = "-vp 0 -5 1 -vd 0 1 -.2 -vh 26 -vv 26 -ab 2";
 
 fn run(program: &str, directory: &Path, arguments: &str) -> Output {
-    let done = Command::new(program).current_dir(directory).args(arguments.split_whitespace()).output().unwrap();
+    let done = photograph::run(program, directory, arguments);
     assert_eq!(done.status.code(), Some(0), "{}", String::from_utf8_lossy(&done.stderr));
     done
 }

@@ -1,8 +1,8 @@
 //! `anneal --type`: which type of material it is, and the file with the material of that type.
 
+use crate::photograph::run;
 use std::fs;
-use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
 
 /// The unknown, between other things that stay as they are.
 const START: &str = "# what is it?\nvoid plastic thing\n0\n0\n5 .50 .5 .5 .1 .1 # start\nvoid alias it thing\n";
@@ -13,10 +13,6 @@ const SCENE: &str = "void brightfunc wave 2 1+.8*sin(9*Dx)*sin(7*Dz+Dy) . 0 0\nw
 const BALL: &str = "it sphere s 0 0 4 0 0 0 1\n";
 const PANE: &str = "void plastic red 0 0 5 .7 .1 .1 0 0\nred polygon behind 0 0 12 0 2 -2 2 2 -2 2 2 2 0 2 2\n\
                     it polygon p 0 0 12 -1 0 -1 1 0 -1 1 0 1 -1 0 1\n";
-
-fn run(program: &str, directory: &Path, arguments: &str) -> Output {
-    Command::new(program).current_dir(directory).args(arguments.split_whitespace()).output().unwrap()
-}
 
 /// What `anneal` makes, with these options, of a picture of something made of `material`.
 fn annealed(material: &str, shape: &str, options: &str) -> Output {

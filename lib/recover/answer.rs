@@ -1,6 +1,6 @@
 //! The answer: the file with the values that were found, after what is to be said of them.
 
-use super::doubts::{Judgement, Known, Standing, at_bound, held, judge, lusterless, may_exceed};
+use super::doubts::{Judgement, Known, Standing, at_bound, judge, lusterless, may_exceed};
 use super::words::{decimals, digits, list};
 use crate::anneal::Parameter;
 use crate::anneal::linear::Symmetric;
@@ -33,10 +33,9 @@ impl<'a> Answer<'a> {
             if let Some((side, bound)) = at_bound(p, *value, judgement.as_ref().map(|j| j.errors[i])) {
                 *value = bound;
                 let open = judgement.as_ref().is_some_and(|j| j.standings[i] == Standing::Open);
-                // What may be anything is at a bound by chance, unless that surely holds it.
+                // What may be anything is at a bound by chance, unless it surely would go on.
                 let any = open && explained || dull && ROUGHNESSES.contains(&&p.name[..]);
-                let held = known.is_some_and(|known| held(unknown, i, bound, known).is_some());
-                if held || may_exceed(unknown, p, bound) && !any {
+                if may_exceed(unknown, p, bound) && (!any || known.is_some_and(|known| known.presses(i))) {
                     let beyond = "if it may lie beyond, give --param";
                     doubts.push(format!("{} is at its {side} bound {}; {beyond} {0}=START:LOW:HIGH", p.name, Number(bound)));
                 }

@@ -27,6 +27,13 @@ pub struct Known<'a> {
     pub blur: Option<Blur>,
 }
 
+impl Known<'_> {
+    /// Whether a value surely would go on if a bound did not keep it.
+    pub fn presses(&self, i: usize) -> bool {
+        self.pressed.get(i).copied().unwrap_or(false)
+    }
+}
+
 /// What there is to think of some values.
 pub struct Judgement {
     /// The standard error of each; of what is not determined, and of all where the picture is not explained, with the errors that pixels have in common.
@@ -173,8 +180,11 @@ impl<'a> Errors<'a> {
             if partners.is_empty() {
                 standings[pivot] = Standing::Open;
                 // Where nothing explains the picture, no other light or view would; nor for what is held by a bound, which is said of it.
-                if self.known.misfit.off() < ASTRAY && held(unknown, pivot, values[pivot], self.known).is_none() {
-                    doubts.push(format!("{} is not determined: {}; {help}", parameters[pivot].name, self.why(pivot)));
+                let p = &parameters[pivot];
+                let bound = at_bound(p, values[pivot], None).filter(|_| self.known.presses(pivot));
+                let held = bound.is_some_and(|(_, bound)| may_exceed(unknown, p, bound));
+                if self.known.misfit.off() < ASTRAY && !held {
+                    doubts.push(format!("{} is not determined: {}; {help}", p.name, self.why(pivot)));
                 }
             } else {
                 partners.iter().chain([&pivot]).for_each(|&i| standings[i] = Standing::Together);
@@ -267,13 +277,6 @@ fn is_roughness(p: &Parameter) -> bool {
 pub fn at_bound(p: &Parameter, value: f64, error: Option<f64>) -> Option<(&'static str, f64)> {
     let near = |(_, end): &(&str, f64)| (value - end).abs() <= (AT_BOUND * p.range()).min(error.unwrap_or(f64::INFINITY));
     [("lower", p.low), ("upper", p.high)].into_iter().find(near)
-}
-
-/// The bound that surely keeps value i from going on, if one does that it may lie beyond.
-pub fn held(unknown: &Unknown, i: usize, value: f64, known: &Known) -> Option<(&'static str, f64)> {
-    let p = &unknown.parameters()[i];
-    let pressed = known.pressed.get(i).copied().unwrap_or(false);
-    at_bound(p, value, None).filter(|(_, bound)| pressed && may_exceed(unknown, p, *bound))
 }
 
 /// Whether what is at a bound may lie beyond it: no number of a material is less than nothing, no share of light more than all, nor what passes glass.

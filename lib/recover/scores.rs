@@ -179,10 +179,14 @@ impl<'a> Scores<'a> {
 
     /// Which values bounds surely keep from going on, and how much farther all would go if they did not; `None` where none does.
     pub fn pressed(&self, bounds: &[(f64, f64)]) -> Option<(Vec<bool>, Vec<f64>)> {
-        let (free, within, errors) = (self.step()?, self.step_within(bounds)?, self.covariance.deviations());
+        let (free, errors) = (self.step()?, self.covariance.deviations());
         let surely = |i: usize| self.leaves(bounds, i, free[i]) && free[i].abs() > PRESSED * errors[i];
         let pressed: Vec<bool> = (0..free.len()).map(surely).collect();
-        pressed.contains(&true).then(|| (pressed, free.iter().zip(&within).map(|(free, within)| free - within).collect()))
+        if !pressed.contains(&true) {
+            return None;
+        }
+        let within = self.step_within(bounds)?;
+        Some((pressed, free.iter().zip(&within).map(|(free, within)| free - within).collect()))
     }
 
     /// The score of each parameter.
