@@ -178,3 +178,25 @@ fn a_bound_that_keeps_a_value_from_the_truth_is_named_and_errors_hold_it() {
         }
     }
 }
+
+#[test]
+fn where_a_renderer_guessed_light_errors_hold_it() {
+    let scene = format!("{LAMP}{UNIFORM}{STILL}");
+    let directory = photographed("plastic it 0 0 5 .6 .3 .2 .1 .2", &scene, "-x 24 -y 24 --spp 128 --seed 5 -ab 2 -o target.hdr");
+    let target = directory.path().join("target.hdr");
+    let bytes = std::fs::read(&target).unwrap();
+    let header = bytes.windows(2).position(|two| two == b"\n\n").unwrap();
+    let red = |options: &str| {
+        let command = format!("\nrpict -ab 2 -st 0 -ss 1 -dt 0 {options}");
+        std::fs::write(&target, [&bytes[..header], command.as_bytes(), &bytes[header..]].concat()).unwrap();
+        let out = recovered(directory.path(), "-ab 2 --scene scene.rad --target target.hdr start.rad");
+        assert_eq!(
+            out.contains("may be off by 1.6 % too, as what is around it is, or as its renderer left it; "),
+            options.is_empty(),
+            "{out}"
+        );
+        said(&out, "red").1
+    };
+    let (guessed, sampled) = (red(""), red("-aa 0 -as 0"));
+    assert!(guessed > 0.0096 && guessed > 2.0 * sampled, "{guessed}, {sampled}");
+}

@@ -15,11 +15,12 @@ use crate::expand::Flat;
 use crate::integrator::survey;
 use crate::picture::{Picture, shrunk};
 use crate::rad::{Document, Number};
-use crate::recover::around::{Around, otherwise_around, otherwise_there};
+use crate::recover::around::{Around, GUESSED, otherwise_around, otherwise_there};
 use crate::recover::{Evidence, Recovery, cut_out, dead, inside_out, otherwise, saturated};
 use crate::render::{Film, Filter};
 use crate::report::{Setting, Views};
 use crate::rules::Rules;
+use crate::rules::rendered::guesses_bounces;
 use crate::scene::{MaterialId, Reading, Scene};
 use crate::unknown::Unknown;
 use crate::world::World;
@@ -189,6 +190,11 @@ impl<'a> Photo<'a> {
         let by = |world: &World| otherwise_around(&self.evidence(), world, exposures, self.material, self.seed);
         // Mostly nothing is to be said by what is there already.
         by(&self.world).map_or(Ok(None), |_| Ok(by(&self.as_found(found)?)))
+    }
+
+    /// By which part of itself its light may be off as its renderer left it, by its header.
+    pub fn guessed(&self) -> f64 {
+        if guesses_bounces(self.shot.target.header.trail()) { GUESSED } else { 0.0 }
     }
 
     /// What is to be said if the unknown is otherwise in the picture than as it was found by the few of its pixels that there was time for.

@@ -90,7 +90,7 @@ fn found_in(photo: &mut Photo, effort: Effort, stopped: &dyn Fn() -> bool, conso
     let others =
         [there, saturated, dead::said(&dead, photo.width(), left_out), strays(&recovery, photo.width()), photo.inside_out(&recovery)];
     let around = photo.otherwise_around(&recovery)?;
-    recovery.misfit.around = around.as_ref().map_or(0.0, |around| around.off);
+    recovery.misfit.around = around.as_ref().map_or(0.0, |around| around.off).max(photo.guessed());
     let doubts = around.map(|around| around.said).into_iter().chain(others.into_iter().flatten()).collect();
     Ok((Found { recovery, dead: if left_out { dead } else { vec![] } }, doubts))
 }

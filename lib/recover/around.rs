@@ -35,6 +35,10 @@ pub struct Around {
 /// on the average, and once by more than all of it.
 const SHARED: f64 = 1.0 / 3.0;
 
+/// The part by which it may be off where a renderer guessed light that bounces: of six pictures in a room, by the defaults of `rpict -ab 2`, what was found
+/// was off by .4 of standard errors that hold this on the average, and by 1.3 at the most; without, by up to 9.
+pub const GUESSED: f64 = 0.016;
+
 /// How things in a world that are known are otherwise in the picture, whose red, green and blue are brighter by `exposures` if those are known: all
 /// brighter or darker alike, as by another exposure; or otherwise, as in another light or by another view. `None` if they are not.
 pub fn otherwise_around(

@@ -226,7 +226,9 @@ impl<'a> Errors<'a> {
         let Misfit { areas, neighbours, singles, around } = self.known.misfit;
         if around > areas.max(neighbours).max(singles) {
             let part = percent(around);
-            return format!("the light that the unknown is found by may be off by {part} % too, as what is around it is{harm}{lost}");
+            return format!(
+                "the light that the unknown is found by may be off by {part} % too, as what is around it is, or as its renderer left it{harm}{lost}"
+            );
         }
         if areas.max(neighbours) < singles {
             return format!(
@@ -380,7 +382,9 @@ mod tests {
         assert!(found.doubts[0].starts_with("neighbouring pixels are 6 % brighter or darker together than any noise explains: "));
         assert!((found.errors[0] - 0.002).abs() < 1e-5 && (found.errors[3] - 0.012).abs() < 1e-5, "{:?}", found.errors);
         let found = judged(Misfit { around: 0.06, neighbours: 0.02, ..Misfit::default() });
-        assert!(found.doubts[0].starts_with("the light that the unknown is found by may be off by 6 % too, as what is around it is; "));
+        assert!(found.doubts[0].starts_with(
+            "the light that the unknown is found by may be off by 6 % too, as what is around it is, or as its renderer left it; "
+        ));
         assert!((found.errors[0] - 0.004).abs() < 1e-5, "{:?}", found.errors);
     }
 

@@ -17,7 +17,7 @@ pub struct Misfit {
     pub neighbours: f64,
     /// Which single pixels lack, or hold beyond what the model says; 0 where those are few, or that is little.
     pub singles: f64,
-    /// By which the light of the unknown may be off as what is around it is; 0 where that is as it should be, or not looked at.
+    /// By which the light of the unknown may be off as what is around it is, or as its renderer left it; 0 where that is as it should be, or not looked at.
     pub around: f64,
 }
 

@@ -8,7 +8,7 @@ use super::defaults::{SIZE, radiances};
 use crate::color::Rgb;
 use crate::picture::command_words;
 pub use reckoning::{Reckoning, Typed};
-pub use shortcuts::{otherwise, shortcuts};
+pub use shortcuts::{guesses_bounces, otherwise, shortcuts};
 use std::str::FromStr;
 
 /// A command in a picture's header: the program's name without its directory, and its options.

@@ -47,17 +47,10 @@ pub fn shortcuts<'a>(lines: impl IntoIterator<Item = &'a str>, least: Option<f64
     if command.is_ours() {
         return found;
     }
-    let bounces = command.given("-ab").unwrap_or(0.0);
-    if let Some((accuracy, aa)) = command.option("-aa")
-        && accuracy > 0.0
-        && bounces > 0.0
-    {
+    if let Some(aa) = interpolated(&command) {
         say(aa, "light that bounces is interpolated there, 1 % off by .1 on a floor, 8 % on what light comes through near a lamp", "-aa 0");
     }
-    if let Some((supersampling, samples)) = command.option("-as")
-        && supersampling > 0.0
-        && bounces > 1.0
-    {
+    if let Some(samples) = supersampled(&command) {
         say(samples, "light that bounces twice is too dark there, 4.5 % of a horse in the open, 14 % of a wall in a room", "-as 0");
     }
     if let Some(weight) = command.given("-aw").filter(|weight| *weight > 0.0) {
@@ -70,6 +63,27 @@ pub fn shortcuts<'a>(lines: impl IntoIterator<Item = &'a str>, least: Option<f64
         say(dt, "shadows of the fainter of several lamps are guessed there, which is up to .8 % of the light", "-dt 0");
     }
     found
+}
+
+/// Whether the last renderer in a picture's header guessed light that bounces, which all that is seen may be off by.
+pub fn guesses_bounces<'a>(lines: impl IntoIterator<Item = &'a str>) -> bool {
+    let command = Command::last(lines, &PROGRAMS).filter(|command| !command.is_ours());
+    command.is_some_and(|command| interpolated(&command).or_else(|| supersampled(&command)).is_some())
+}
+
+/// The words for the accuracy by which a command of RADIANCE interpolates light that bounces; `None` if it does not.
+fn interpolated(command: &Command) -> Option<String> {
+    command.option("-aa").filter(|(accuracy, _)| *accuracy > 0.0 && bounces(command) > 0.0).map(|(_, aa)| aa)
+}
+
+/// The words for how often it samples such light anew where that seems to pay, which tells from the second bounce on; `None` if it does not.
+fn supersampled(command: &Command) -> Option<String> {
+    command.option("-as").filter(|(samples, _)| *samples > 0.0 && bounces(command) > 1.0).map(|(_, samples)| samples)
+}
+
+/// How often light bounces in its picture.
+fn bounces(command: &Command) -> f64 {
+    command.given("-ab").unwrap_or(0.0)
 }
 
 /// What is to be said of a rendering in which only some surfaces gather indirect light, or that shows irradiance; of the first if it was not `typed`
@@ -101,9 +115,10 @@ mod tests {
         for (said, option) in defaults.iter().zip(["-st 0.15", "-aa 0.2", "-dt 0.05"]) {
             assert!(said.starts_with(&format!("the target was rendered by rpict with {option}, its default: ")), "{said}");
         }
-        // Supersampling tells from the second bounce on.
         let twice = |options: &str| said(&[&format!("rpict -st 0 -aa 0 -dt 0 {options} a.oct")], 0.0, 2);
         assert!(twice("-ab 1").is_empty() && twice("-ab 2 -as 0").is_empty());
+        assert!(guesses_bounces(["rpict -ab 1"]) && guesses_bounces(["rpict -ab 2 -aa 0"]));
+        assert!(!["rpict", "rpict -ab 1 -aa 0", "rpict -ab 2 -aa 0 -as 0", "rtrace-rs -ab 2"].iter().any(|line| guesses_bounces([*line])));
         assert!(twice("-ab 2")[0].ends_with("14 % of a wall in a room; render it with -as 0"));
         let [only] = &said(&["rtrace -st .3 -ss 0 -st .1 a.oct"], 0.2, 1)[..] else { panic!() };
         assert_eq!(only, "the target was rendered by rtrace with -ss 0: rough surfaces reflect like mirrors there; render it with -ss 1");
