@@ -5,6 +5,7 @@
 
 use crate::error::{Error, Result};
 use crate::geometry::TINY;
+use crate::picture::command_words;
 use crate::vector::Vec3;
 use std::f64::consts::PI;
 
@@ -136,10 +137,12 @@ impl View {
         Ok(())
     }
 
-    /// What header lines say of a view; `None` if they do not.
+    /// What header lines say of a view; `None` if they do not, or only of one that was cut or put together since.
     pub fn said<'a>(lines: impl IntoIterator<Item = &'a str>) -> Option<Self> {
+        let mut lines: Vec<&str> = lines.into_iter().collect();
+        let cut = lines.iter().rposition(|line| command_words(line).first() == Some(&"pcompos"));
         let mut view = Self::default();
-        view.apply_header(lines).then_some(view)
+        view.apply_header(lines.split_off(cut.unwrap_or_default())).then_some(view)
     }
 
     /// Whether it shows about the same as another: no point differs by more than a thousandth of itself, nothing else by more than a hundredth of itself or

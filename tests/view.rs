@@ -209,6 +209,15 @@ fn a_view_file_is_read_like_a_header() {
 }
 
 #[test]
+fn what_was_cut_out_of_a_picture_has_another_view() {
+    let lines = ["rpict -x 320 a.oct", "VIEW= -vtv -vp 2 -1 1 -vd -2 1 -1 -vh 28 -vv 21", "pfilt -x /4 -y /4"];
+    assert_eq!(View::said(lines).unwrap().horizontal, 28.0);
+    let part = [&lines[..], &["pcompos -x 40 -y 36 a.hdr -10 -20"]].concat();
+    assert!(View::said(part.iter().copied()).is_none());
+    assert_eq!(View::said([&part[..], &["VIEW= -vh 14 -vs .3"]].concat()).unwrap().horizontal, 14.0);
+}
+
+#[test]
 fn impossible_views_say_why() {
     // All refused by vwrays, RADIANCE 6.0a.
     for (line, word) in [

@@ -82,13 +82,13 @@ pub struct Photo {
     pub target: Option<String>,
 
     /// How much each pixel counts, from 0 to 1
-    #[arg(long, value_name = "PICTURE", requires = "target")]
+    #[arg(long, value_name = "PICTURE", requires = "target", conflicts_with = "exec")]
     pub mask: Option<String>,
 
     /// Radius in pixels of the Gaussian that the picture's pixels weigh light by, as pfilt -r makes them; 0: they take in the light of their area;
     /// auto: the radius is found too, as it must be for a camera's picture that was not made smaller [default: what the picture's header
     /// says, or 0]
-    #[arg(long, value_name = "R", requires = "scene", value_parser = sharpness)]
+    #[arg(long, value_name = "R", requires = "scene", conflicts_with = "exec", value_parser = sharpness)]
     pub filter: Option<Sharpness>,
 
     /// No picture yet: the standard errors that one would give if the unknown were START.rad's, what it would not tell, and what would

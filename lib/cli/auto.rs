@@ -2,7 +2,7 @@
 
 use super::kept::{Asked, Found, Kept, Said};
 use super::photo::Photo;
-use super::{Console, Outcome, input};
+use super::{Console, Outcome, input, scene};
 use crate::args::anneal::{AUTO, Arguments};
 use crate::error::{Error, Result};
 use crate::rad::Document;
@@ -30,6 +30,8 @@ pub struct Taken<'a> {
 
 /// START.rad as it is, and what is wished of its material.
 fn read(start: &str, arguments: &Arguments) -> Outcome<(Document, Wishes)> {
+    // Where one of its numbers is missing, START.rad's name is taken for it.
+    scene::view(&arguments.photo.view)?;
     let (name, bytes) = input(start)?;
     Ok((Document::read(&name, bytes)?, arguments.wishes()))
 }

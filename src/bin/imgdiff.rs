@@ -26,6 +26,12 @@ fn run(args: Args, console: &Console) -> Outcome<Answer> {
     if a.1.header.primaries().is_some_and(|of_a| b.1.header.primaries().is_some_and(|of_b| of_a != of_b)) {
         console.warn(&format!("{} and {} have different PRIMARIES; their colours are compared as they are", a.0, b.0));
     }
+    if let Some((name, _)) = c.as_ref().filter(|(_, c)| c.pixels == b.1.pixels) {
+        console.warn(&format!(
+            "{} and {name} are the same, noise and all: what it adds is not taken off (rpict -u+ begins anew each second)",
+            b.0
+        ));
+    }
 
     let weights = mask.as_ref().map(|mask| metric::weights(named(mask), named(&a))).transpose()?;
     let mut comparison = Comparison::new(named(&a), named(&b), c.as_ref().map(named), weights.as_deref())?;
