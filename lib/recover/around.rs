@@ -77,11 +77,19 @@ pub fn otherwise_around(
     Some(Around { said, off })
 }
 
-/// What is to be said if the unknown is otherwise in the picture than in a world where it is what was found, as few pixels may not show.
-pub fn otherwise_there(evidence: &Evidence, world: &World, exposures: [f64; 3], material: MaterialId, seed: u64) -> Option<String> {
+/// What is to be said if the unknown is otherwise in the picture than in a world where it is what was found, as few pixels may not show; by more than
+/// the part of it by which it may be `unsure` anyway.
+pub fn otherwise_there(
+    evidence: &Evidence,
+    world: &World,
+    exposures: [f64; 3],
+    unsure: f64,
+    material: MaterialId,
+    seed: u64,
+) -> Option<String> {
     let looked_at = Looked::new(evidence, THERE, |n| evidence.filled(n, material))?;
     let [scene, again] = [seed, mix64(seed)].map(|seed| looked_at.rendered(world, seed));
-    displaced(&looked_at.photographed(exposures), &scene, &again).map(|part| {
+    displaced(&looked_at.photographed(exposures), &scene, &again).filter(|part| *part > unsure).map(|part| {
         format!(
             "the picture is not what this makes, neighbours together by {:.0} %: the type, the light or the view may not be those of the photograph, \
              and more --time would tell by how much that moves each value",
