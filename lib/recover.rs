@@ -220,7 +220,13 @@ impl Recovery {
         self.blur.filter(|blur| blur.sought)
     }
 
-    /// The same, if they surely are blurred otherwise than they were taken to be.
+    /// What is to be said of how they were found to be blurred: what is elsewhere than it should be seems blurred too.
+    pub fn filter(&self) -> Option<String> {
+        let otherwise = if self.explained() { "" } else { ", or something else is not as in the picture" };
+        self.sharpness().map(|blur| blur.title() + otherwise)
+    }
+
+    /// How pixels are blurred, if they surely are blurred otherwise than they were taken to be.
     fn amiss(&self) -> Option<Blur> {
         self.sharpness().filter(Blur::is_sure)
     }

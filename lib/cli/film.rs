@@ -54,7 +54,8 @@ pub fn write(picture: &Picture, path: Option<&Path>, exr: bool) -> Outcome<()> {
 pub fn reached(rendering: &Rendering) -> String {
     let noise = Some(100.0 * rendering.noise()).filter(|noise| noise.is_finite());
     let error = noise.map_or("not known yet".into(), |noise| format!("{noise:.2} %"));
-    format!("{:.0} samples a pixel, error {error}", rendering.samples())
+    let samples = rendering.samples().round();
+    format!("{samples} sample{} a pixel, error {error}", if samples == 1.0 { "" } else { "s" })
 }
 
 /// Writes a finished rendering, and its variance where that is asked for.

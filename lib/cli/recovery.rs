@@ -46,7 +46,7 @@ pub fn recover(start: &str, target: &str, arguments: &Arguments, console: &Conso
     cut.then(|| console.note("interrupted: the values are those of the samples taken by then"));
     let answer = answer::Answer::new(unknown, &found.values, Some(&found.known()));
     said.title.extend(photo.remarks().iter().map(|remark| answer::warning(remark)));
-    said.title.extend(found.sharpness().map(|blur| blur.title()));
+    said.title.extend(found.filter());
     said.title.push(format!("chi2 {} over {} pixels", answer::six(found.chi2), found.pixels));
     let answered = Output::whole(arguments.common.output.as_deref(), &answer.file(&said.title)?);
     said.doubts.extend_from_slice(answer.doubts());

@@ -93,7 +93,7 @@ pub fn of_recovery(
     let told = Report {
         own: Some(found.own.deviations()),
         pixels: Some(found.pixels),
-        filter: found.sharpness().map(|blur| blur.title()),
+        filter: found.filter(),
         doubts,
         trail: &trail.moments(),
         unit: "round",

@@ -112,3 +112,21 @@ fn laplacian(sheet: &Sheet, half: &Half) -> Half {
     let at = |i: usize| std::array::from_fn(|c| 0.5 * sheet.beside(i, half).iter().map(|beside| beside[c] - half[i][c]).sum::<f64>());
     (0..half.len()).map(at).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::recover::misfit::Misfit;
+
+    #[test]
+    fn a_filter_that_was_found_where_nothing_explains_the_picture_is_doubted() {
+        let told = |areas: f64, sought: bool| {
+            let blur = Some(Blur { taken: 0.16, sought, more: 0.0, error: 0.01 });
+            Recovery { blur, misfit: Misfit { areas, ..Misfit::default() }, ..Recovery::plain(&[0.5], &[0.1]) }.filter()
+        };
+        let told_so = told(0.0, true).unwrap();
+        assert!(told_so.starts_with("filter 0.") && told_so.contains(" ± 0.0"), "{told_so}");
+        assert_eq!(told(0.05, true).unwrap(), told_so + ", or something else is not as in the picture");
+        assert_eq!(told(0.05, false), None);
+    }
+}

@@ -28,7 +28,7 @@ fn run(args: Args, console: &Console) -> Outcome<Answer> {
     }
     if let Some((name, _)) = c.as_ref().filter(|(_, c)| c.pixels == b.1.pixels) {
         console.warn(&format!(
-            "{} and {name} are the same, noise and all: what it adds is not taken off (rpict -u+ begins anew each second)",
+            "{} and {name} are the same, noise and all: what it adds is not taken off (that of rpict -u+ is another each second)",
             b.0
         ));
     }

@@ -13,6 +13,9 @@ const OTHER_PICTURES: [&str; 3] = ["hdr", "pic", "png"];
 /// Ends of names of pictures that rays are not answered with.
 const NO_ANSWERS: [&str; 2] = ["exr", "png"];
 
+/// Ends of names of pictures that are not written.
+const UNWRITTEN: [&str; 6] = ["jpg", "jpeg", "tif", "tiff", "gif", "bmp"];
+
 /// Whether the name of a file ends so, in capitals or not.
 pub fn ends_in(path: &Path, ends: &[&str]) -> bool {
     path.extension().is_some_and(|extension| ends.iter().any(|end| extension.eq_ignore_ascii_case(end)))
@@ -80,6 +83,10 @@ impl Arguments {
             let (path, other) = (path.display(), path.with_extension("hdr"));
             let remedy = format!("with -f…c they are a RADIANCE picture: name it {}, or give a view (-vf FILE, -vp …)", other.display());
             return Err(Error::new(format!("{path}: rays are not answered in this format; {remedy}")));
+        }
+        if let Some(path) = output.filter(|path| ends_in(path, &UNWRITTEN)) {
+            let (path, [hdr, exr, png]) = (path.display(), ["hdr", "exr", "png"].map(|end| path.with_extension(end).display().to_string()));
+            return Err(Error::new(format!("{path}: such a file is not written; name it {hdr} or {exr}, or {png} to look at")));
         }
         if let Some([_, path]) = aov.as_deref()
             && path.starts_with('-')
@@ -167,6 +174,7 @@ mod tests {
         assert!(said("rtrace-rs -vp 0 0 1 --exr -o p.PIC s.rad").contains("p.PIC: --exr writes OpenEXR"));
         assert!(said("rtrace-rs -vp 0 0 1 --variance a/v.hdr s.rad").contains("name the file a/v.exr"));
         assert!(said("rtrace-rs -vp 0 0 1 --aov normal n.png s.rad").contains("name the file n.exr"));
+        assert!(said("rtrace-rs -vp 0 0 1 -o p.JPG s.rad").ends_with("name it p.hdr or p.exr, or p.png to look at"));
         assert!(said("rtrace-rs -vp 0 0 1 --aov normal -o n.exr s.rad").contains("--aov needs NAMES and FILE.exr"));
         assert!(said("rtrace-rs -fac -o x.exr s.rad").contains("x.exr: rays are not answered in this format; with -f…c they are"));
     }
