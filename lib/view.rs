@@ -137,12 +137,18 @@ impl View {
         Ok(())
     }
 
+    /// Errors as [`Self::apply`] does but for what files hold: none is read, which a pipe would not bear twice.
+    pub fn check(words: &[String]) -> Result<()> {
+        let usual = Self::default();
+        usual.clone().apply(words, &|_| Ok(usual.header_line().into_bytes()))
+    }
+
     /// What header lines say of a view; `None` if they do not, or only of one that was cut or put together since.
     pub fn said<'a>(lines: impl IntoIterator<Item = &'a str>) -> Option<Self> {
-        let mut lines: Vec<&str> = lines.into_iter().collect();
-        let cut = lines.iter().rposition(|line| command_words(line).first() == Some(&"pcompos"));
+        let lines: Vec<&str> = lines.into_iter().collect();
+        let since = lines.rsplit(|line| command_words(line).first() == Some(&"pcompos")).next().unwrap_or_default();
         let mut view = Self::default();
-        view.apply_header(lines.split_off(cut.unwrap_or_default())).then_some(view)
+        view.apply_header(since.iter().copied()).then_some(view)
     }
 
     /// Whether it shows about the same as another: no point differs by more than a thousandth of itself, nothing else by more than a hundredth of itself or

@@ -3,6 +3,7 @@
 use crate::photograph::said::{recovered, said};
 use crate::photograph::waves::SCENE;
 use crate::photograph::{photographed, run};
+use inverad::picture::Picture;
 
 /// A ball alone, and one that a box and a cone shade and are mirrored in.
 const BALL: &str = "it sphere s 0 0 4 0 0 0 1\n";
@@ -184,11 +185,11 @@ fn where_a_renderer_guessed_light_errors_hold_it() {
     let scene = format!("{LAMP}{UNIFORM}{STILL}");
     let directory = photographed("plastic it 0 0 5 .6 .3 .2 .1 .2", &scene, "-x 24 -y 24 --spp 128 --seed 5 -ab 2 -o target.hdr");
     let target = directory.path().join("target.hdr");
-    let bytes = std::fs::read(&target).unwrap();
-    let header = bytes.windows(2).position(|two| two == b"\n\n").unwrap();
+    let taken = Picture::read(&std::fs::read(&target).unwrap(), "target.hdr").unwrap();
     let red = |options: &str| {
-        let command = format!("\nrpict -ab 2 -st 0 -ss 1 -dt 0 {options}");
-        std::fs::write(&target, [&bytes[..header], command.as_bytes(), &bytes[header..]].concat()).unwrap();
+        let mut picture = taken.clone();
+        picture.header.push(&format!("rpict -ab 2 -st 0 -ss 1 -dt 0 {options}"));
+        std::fs::write(&target, picture.write_hdr().unwrap()).unwrap();
         let out = recovered(directory.path(), "-ab 2 --scene scene.rad --target target.hdr start.rad");
         assert_eq!(
             out.contains("may be off by 1.6 % too, as what is around it is, or as its renderer left it; "),

@@ -1,5 +1,7 @@
 //! Views: the rays that RADIANCE's vwrays gives, recorded and live; sizes; view files and headers.
 
+use crate::fed::fed;
+use crate::photograph::{photographed, run};
 use crate::skipped::skipped;
 use inverad::error::{Error, Result};
 use inverad::view::{Camera, View, ViewKind};
@@ -206,6 +208,25 @@ fn a_view_file_is_read_like_a_header() {
     let expected = view("-vtl -vp 1 2 3 -vd 1 2 3 -vu 1 0 0 -vh 10 -vv 20 -vo 0 -va 0 -vs 0.5 -vl .25");
     assert_eq!(from_file, expected);
     assert!(from_file.apply(&words("-vf other.vf"), &read).unwrap_err().message.starts_with("other.vf: no view in this file"));
+}
+
+#[cfg(unix)]
+#[test]
+fn a_view_may_come_through_a_pipe() {
+    let directory = photographed(
+        "plastic it 0 0 5 .6 .4 .2 .1 .2",
+        "void glow sky 0 0 4 1 1 1 0\nsky source all 0 0 4 0 0 1 360\nit sphere s 0 0 4 0 0 0 1\n",
+        "-x 16 -y 16 --spp 4 -o target.hdr",
+    );
+    let mut anneal = Command::new(env!("CARGO_BIN_EXE_anneal"));
+    anneal.current_dir(directory.path()).args("--time .01 --scene scene.rad --target target.hdr".split(' '));
+    let view = b"VIEW= -vp 0 -5 1 -vd 0 1 -.2 -vh 26 -vv 26\n";
+    let done = fed(anneal.args(["-vf", "/dev/stdin", "start.rad"]), view);
+    assert_eq!(done.status.code(), Some(0), "{}", String::from_utf8_lossy(&done.stderr));
+    // A name where a number is missing is told, and is no file that is waited for.
+    let words = "--scene scene.rad --target target.hdr -vp 0 0 start.rad";
+    let done = run(env!("CARGO_BIN_EXE_anneal"), directory.path(), words);
+    assert_eq!((done.status.code(), &done.stderr[..]), (Some(2), &b"anneal: error: -vp needs 3 numbers, not 0 0 start.rad\n"[..]));
 }
 
 #[test]

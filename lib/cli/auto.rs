@@ -2,7 +2,7 @@
 
 use super::kept::{Asked, Found, Kept, Said};
 use super::photo::Photo;
-use super::{Console, Outcome, input, scene};
+use super::{Console, Outcome, input};
 use crate::args::anneal::{AUTO, Arguments};
 use crate::error::{Error, Result};
 use crate::rad::Document;
@@ -12,6 +12,7 @@ use crate::recover::types::{SAMPLES, Sample, Trial, Verdict, choose};
 use crate::recover::{Effort, Evidence, recover};
 use crate::report::Moment;
 use crate::unknown::{GLASS, Unknown, Wishes, retyped};
+use crate::view::View;
 use std::slice::from_ref;
 
 /// A photograph whose unknown has been taken for a type.
@@ -31,7 +32,7 @@ pub struct Taken<'a> {
 /// START.rad as it is, and what is wished of its material.
 fn read(start: &str, arguments: &Arguments) -> Outcome<(Document, Wishes)> {
     // Where one of its numbers is missing, START.rad's name is taken for it.
-    scene::view(&arguments.photo.view)?;
+    View::check(&arguments.photo.view.words)?;
     let (name, bytes) = input(start)?;
     Ok((Document::read(&name, bytes)?, arguments.wishes()))
 }

@@ -22,7 +22,7 @@ use crate::report::{Setting, Views};
 use crate::rules::Rules;
 use crate::rules::rendered::guesses_bounces;
 use crate::scene::{MaterialId, Reading, Scene};
-use crate::unknown::{COLORS, Unknown};
+use crate::unknown::Unknown;
 use crate::world::World;
 use setup::Setup;
 use shot::Shot;
@@ -199,11 +199,8 @@ impl<'a> Photo<'a> {
 
     /// What is to be said if the unknown is otherwise in the picture than as it was found by the few of its pixels that there was time for.
     pub fn otherwise_there(&self, found: &Recovery) -> Result<Option<String>> {
-        let (world, exposures) = (self.as_found(found)?, self.unknown.exposures(&found.values));
-        let parts = self.unknown.parameters().iter().zip(found.values.iter().zip(found.errors()));
-        let colours = parts.filter(|(p, _)| COLORS.1.contains(&&p.name[..])).map(|(_, (value, error))| error / value);
-        let unsure = colours.filter(|part| part.is_finite()).fold(0.0, f64::max);
-        Ok(otherwise_there(&self.evidence(), &world, exposures, unsure, self.material, self.seed))
+        let world = self.as_found(found)?;
+        Ok(otherwise_there(&self.evidence(), &world, &self.unknown, found, self.material, self.seed))
     }
 
     /// What is to be said where nothing explains the picture, if the unknown is inside out.

@@ -1,14 +1,14 @@
 //! Whether what is known of a picture, around the unknown, is as the scene has it.
 
-use super::Evidence;
 use super::saturated;
 use super::words::list;
+use super::{Evidence, Recovery};
 use crate::color::{Rgb, WHITE_EFFICACY, bright};
 use crate::rad::Number;
 use crate::rules::Rules;
 use crate::sampling::mix64;
 use crate::scene::MaterialId;
-use crate::unknown::EXPOSURES;
+use crate::unknown::{COLORS, EXPOSURES, Unknown};
 use crate::world::World;
 use std::collections::HashSet;
 
@@ -77,25 +77,33 @@ pub fn otherwise_around(
     Some(Around { said, off })
 }
 
-/// What is to be said if the unknown is otherwise in the picture than in a world where it is what was found, as few pixels may not show; by more than
-/// the part of it by which it may be `unsure` anyway.
+/// What is to be said if an unknown is otherwise in the picture than in a world where it is what was found, as few pixels may not show; by more than its
+/// colours may be off by anyway.
 pub fn otherwise_there(
     evidence: &Evidence,
     world: &World,
-    exposures: [f64; 3],
-    unsure: f64,
+    unknown: &Unknown,
+    found: &Recovery,
     material: MaterialId,
     seed: u64,
 ) -> Option<String> {
     let looked_at = Looked::new(evidence, THERE, |n| evidence.filled(n, material))?;
     let [scene, again] = [seed, mix64(seed)].map(|seed| looked_at.rendered(world, seed));
-    displaced(&looked_at.photographed(exposures), &scene, &again).filter(|part| *part > unsure).map(|part| {
+    let part = displaced(&looked_at.photographed(unknown.exposures(&found.values)), &scene, &again)?;
+    (part > unsure(unknown, found)).then(|| {
         format!(
             "the picture is not what this makes, neighbours together by {:.0} %: the type, the light or the view may not be those of the photograph, \
              and more --time would tell by how much that moves each value",
             100.0 * part
         )
     })
+}
+
+/// The largest part of itself that the standard error of a colour is.
+fn unsure(unknown: &Unknown, found: &Recovery) -> f64 {
+    let parts = unknown.parameters().iter().zip(found.values.iter().zip(found.errors()));
+    let colours = parts.filter(|(p, _)| COLORS.1.contains(&&p.name[..])).map(|(_, (value, error))| error / value);
+    colours.filter(|part| part.is_finite()).fold(0.0, f64::max)
 }
 
 /// Pairs of neighbours whose noise is their own, one after the other.
