@@ -4,7 +4,7 @@
 
 use crate::color::Rgb;
 use crate::vector::Vec3;
-use crate::vector::angle::{acos, atan2};
+use crate::vector::angle::polar;
 use rayon::prelude::*;
 use std::f64::consts::PI;
 use wide::f32x8;
@@ -21,9 +21,10 @@ pub struct Place {
 impl Place {
     /// The place of a unit direction.
     pub fn of(direction: Vec3) -> Self {
-        let turn = atan2(direction.y, direction.x) / (2.0 * PI);
+        let [azimuth, angle] = polar([direction.y, direction.x], direction.z);
+        let turn = azimuth / (2.0 * PI);
         // A turn that is less than nothing by next to nothing is a whole one.
-        Self { turn: (turn - turn.floor()).min(1.0 - f64::EPSILON), way: acos(direction.z) / PI }
+        Self { turn: (turn - turn.floor()).min(1.0 - f64::EPSILON), way: angle / PI }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::cal::{Failed, Program, Ray};
 use crate::vector::Vec3;
-use crate::vector::angle::{acos, atan2};
+use crate::vector::angle::{acos, atan2, polar};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// From a ray to (u, v).
@@ -89,8 +89,9 @@ impl LatLong {
     pub fn place(&self, direction: Vec3) -> [f64; 2] {
         let d = direction.to_array();
         let (y, x, z) = (self.sine.1 * d[self.sine.0], self.cosine.1 * d[self.cosine.0], d[self.pole]);
-        let azimuth = if self.guarded && x * x + y * y <= 0.0 { 0.0 } else { atan2(y, x) };
-        let angle = if self.arctangent { atan2((x * x + y * y).sqrt(), z) } else { acos(z) };
+        let across = x * x + y * y;
+        let [azimuth, angle] = if self.arctangent { atan2([y, across.sqrt()], [x, z]) } else { polar([y, x], z) };
+        let azimuth = if self.guarded && across <= 0.0 { 0.0 } else { azimuth };
         [self.u[0] + self.u[1] * azimuth, self.v[0] + self.v[1] * angle]
     }
 }

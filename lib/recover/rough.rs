@@ -118,7 +118,7 @@ pub fn recover(sought: &Sought, effort: Effort, enough: &dyn Fn(&Recovery) -> bo
         let mut stage = Stage::wide(sought);
         stage.know(&found.values, true);
         let samples = (LAST_SAMPLES[faint as usize] / sheet.numbers.len()).min(LAST_OF_PIXEL);
-        let (basis, _) = traced_in_time(&stage, sheet.numbers, samples as u32, (effort.until)(), seeds.next());
+        let basis = traced_in_time(&stage, sheet.numbers, samples as u32, (effort.until)(), seeds.next());
         let traced = Traced { sheet: &sheet, model: &stage, basis: &basis };
         return Ok(closer.averaged(looked.found, &looked.aside, traced));
     }
@@ -130,7 +130,7 @@ fn begun(sought: &Sought, effort: Effort, order: &[usize], seeds: &mut Seeds) ->
     let Sought { evidence, unknown, kind, .. } = *sought;
     let (stage, sheet) = (Stage::wide(sought), some(evidence, order, FIRST_PIXELS));
     let samples = FIRST_SAMPLES[kind.anisotropic as usize];
-    let (basis, _) = traced_in_time(&stage, sheet.numbers, samples, effort.part(2), seeds.next());
+    let basis = traced_in_time(&stage, sheet.numbers, samples, effort.part(2), seeds.next());
     let gram = Gram::new(&basis, &sheet.target, &sheet.relative);
     let problem = Problem { gram: &gram, coefficients: &|v| stage.coefficients(v), bounds: &unknown.bounds() };
     let found = search(&problem, &stage, unknown, effort.seed)?;

@@ -109,8 +109,8 @@ fn time_left(begin: Instant, until: Option<Instant>) -> f64 {
     until.map_or(f64::INFINITY, left)
 }
 
-/// What so many samples of each of these pixels in each half show, or as many of those as a part of them tells that there is time for; and how many.
-pub fn traced_in_time(model: &dyn Model, pixels: &[usize], samples: u32, until: Option<Instant>, seed: u64) -> (Basis, u32) {
+/// What so many samples of each of these pixels in each half show, or as many of those as a part of them tells that there is time for.
+pub fn traced_in_time(model: &dyn Model, pixels: &[usize], samples: u32, until: Option<Instant>, seed: u64) -> Basis {
     let begin = Instant::now();
     let tried = if until.is_some() { (TRIED * f64::from(samples)).ceil() as u32 } else { samples };
     let mut basis = model.trace_all(pixels, tried, seed);
@@ -118,7 +118,7 @@ pub fn traced_in_time(model: &dyn Model, pixels: &[usize], samples: u32, until: 
     if more > 0 {
         basis.join(&model.trace(pixels, &vec![tried..tried + more; 2 * pixels.len()], seed));
     }
-    (basis, tried + more)
+    basis
 }
 
 impl Look<'_> {
@@ -130,8 +130,8 @@ impl Look<'_> {
         let until = (self.effort.until)();
         if self.effort.quick {
             let each = (QUICK / all).clamp(QUICK_EACH, EACH) as u32;
-            let (basis, each) = traced_in_time(model, &pixels, each, until, seed);
-            return Seen { pixels, count: all, each: each.into(), foreseen, seed, basis, begin };
+            let basis = traced_in_time(model, &pixels, each, until, seed);
+            return Seen { pixels, count: all, each: basis.samples[0].into(), foreseen, seed, basis, begin };
         }
         let (first, each) = match &foreseen {
             Some(first) => (first.pixels as f64, f64::from(first.samples)),

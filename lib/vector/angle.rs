@@ -1,28 +1,37 @@
 //! Angles and directions, in a fraction of the time that the general functions take.
 
-use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
-
-/// The angle of (x, y) from the x axis, as `y.atan2(x)`, within 4e-16 of it; for numbers between 1e-300 and 1e300, zeros included.
-#[inline]
-pub fn atan2(y: f64, x: f64) -> f64 {
-    // Selections instead of branches: directions are unpredictable.
-    const TAN_EIGHTH: f64 = std::f64::consts::SQRT_2 - 1.0;
-    let (a, b) = (x.abs(), y.abs());
-    let (small, large) = (a.min(b), a.max(b).max(f64::MIN_POSITIVE));
-    // Bring the tangent below that of π/8.
-    let steep = f64::from(u8::from(small > TAN_EIGHTH * large));
-    let angle = arctangent((small - steep * large) / (large + steep * small)) + steep * FRAC_PI_4;
-    let (mirror, flip) = (f64::from(u8::from(a < b)), f64::from(u8::from(x.is_sign_negative())));
-    let angle = mirror * FRAC_PI_2 + (1.0 - 2.0 * mirror) * angle;
-    let angle = flip * PI + (1.0 - 2.0 * flip) * angle;
-    angle.copysign(y)
-}
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, SQRT_2, TAU};
+use wide::f64x2;
 
 /// The angle whose cosine is z, as `z.acos()`, within 4e-16 of it; z is brought into −1..1.
 #[inline]
 pub fn acos(z: f64) -> f64 {
+    polar([0.0, 1.0], z)[1]
+}
+
+/// The angle of (x, y) from the x axis, and the [`acos`] of z: azimuth and angle from the pole, in the time of one.
+#[inline]
+pub fn polar([y, x]: [f64; 2], z: f64) -> [f64; 2] {
     let z = z.clamp(-1.0, 1.0);
-    atan2(((1.0 - z) * (1.0 + z)).sqrt(), z)
+    atan2([y, ((1.0 - z) * (1.0 + z)).sqrt()], [x, z])
+}
+
+/// The angle of each (x, y) from the x axis, as `y.atan2(x)`, within 4e-16 of it; for numbers between 1e-300 and 1e300, zeros included. Two take the time
+/// of one.
+#[inline]
+pub fn atan2(y: [f64; 2], x: [f64; 2]) -> [f64; 2] {
+    // Selections instead of branches: directions are unpredictable.
+    let (y, x, tan_eighth) = (f64x2::new(y), f64x2::new(x), f64x2::splat(SQRT_2 - 1.0));
+    let (a, b) = (x.abs(), y.abs());
+    let (small, large) = (a.fast_min(b), a.fast_max(b).fast_max(f64x2::splat(f64::MIN_POSITIVE)));
+    // Bring the tangent below that of π/8.
+    let steep = small.simd_gt(tan_eighth * large);
+    let ratio = (small - (steep & large)) / (large + (steep & small));
+    let angle = arctangent(ratio) + (steep & f64x2::splat(FRAC_PI_4));
+    let angle = a.simd_lt(b).bitselect(f64x2::splat(FRAC_PI_2) - angle, angle);
+    let angle = x.is_sign_negative().bitselect(f64x2::splat(PI) - angle, angle);
+    // It has the sign of y.
+    (angle | y & f64x2::splat(-0.0)).to_array()
 }
 
 /// Sine and cosine of a part of a turn, from −1 to 1, within 2e-16 of those of 2π·`turn`.
@@ -61,7 +70,7 @@ pub fn sin_cos(turn: f64) -> (f64, f64) {
 
 /// atan t for |t| up to tan π/8: t times a polynomial in t², interpolated at Chebyshev nodes (error 1.3e-18).
 #[inline]
-fn arctangent(t: f64) -> f64 {
+fn arctangent(t: f64x2) -> f64x2 {
     const C: [f64; 12] = [
         1.0,
         -0.3333333333333312,
@@ -79,7 +88,8 @@ fn arctangent(t: f64) -> f64 {
     let w = t * t;
     // Take the coefficients by fours (Estrin 1960), for the processor to do several at once.
     let (w2, w4) = (w * w, (w * w) * (w * w));
-    let four = |i: usize| C[i + 3].mul_add(w, C[i + 2]).mul_add(w2, C[i + 1].mul_add(w, C[i]));
+    let c = |i: usize| f64x2::splat(C[i]);
+    let four = |i: usize| c(i + 3).mul_add(w, c(i + 2)).mul_add(w2, c(i + 1).mul_add(w, c(i)));
     four(8).mul_add(w4, four(4)).mul_add(w4, four(0)) * t
 }
 
@@ -94,7 +104,9 @@ mod tests {
         for &a in &values {
             for &b in &values {
                 for (y, x) in [(a, b), (-a, b), (a, -b), (-a, -b)] {
-                    assert!((atan2(y, x) - y.atan2(x)).abs() <= 4.5e-16, "atan2({y:e}, {x:e}) = {}, not {}", atan2(y, x), y.atan2(x));
+                    let ([one, other], angles) = (atan2([y, x], [x, y]), [y.atan2(x), x.atan2(y)]);
+                    assert!((one - angles[0]).abs() <= 4.5e-16, "atan2({y:e}, {x:e}) = {one}, not {}", angles[0]);
+                    assert!((other - angles[1]).abs() <= 4.5e-16, "atan2({x:e}, {y:e}) = {other}, not {}", angles[1]);
                 }
             }
             for z in [a.min(1.0), -a.min(1.0)] {
@@ -108,6 +120,6 @@ mod tests {
             assert!((sin - s).abs() <= near && (cos - c).abs() <= near, "sin_cos({turn:e}) = {sin}, {cos}, not {s}, {c}");
             assert!((sin.hypot(cos) - 1.0).abs() <= 2.5e-16);
         }
-        assert_eq!((atan2(0.0, -1.0), atan2(-0.0, -1.0)), (PI, -PI));
+        assert_eq!(atan2([0.0, -0.0], [-1.0; 2]), [PI, -PI]);
     }
 }
