@@ -13,7 +13,7 @@
 //! | room | its one question | crates at home |
 //! |---|---|---|
 //! | [`error`] | what went wrong, and where: file, line, column, caret | |
-//! | [`vector`] | points, directions, bases, affine maps | glam |
+//! | [`vector`] | points, directions, bases, affine maps | glam, wide |
 //! | [`color`] | what a radiance is | |
 //! | [`resolve`] | who reads a file or runs a command for the library | |
 //! | [`rad`] | the `.rad` syntax, lossless: statements of words that keep what stands between them | nom, serde, serde_json |

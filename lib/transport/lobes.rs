@@ -1,7 +1,6 @@
-//! The reflected lobes of a rough unknown: the Gaussian of each roughness that it is explored at, and of those that directions are drawn from.
+//! The lobes of a rough unknown: the Gaussian of each roughness that it is explored at, and of those that directions are drawn from.
 
 use super::{Nodes, decay, lanes};
-use crate::vector::Vec3;
 use wide::f32x8;
 
 /// Squared roughnesses along the two tangents of the lobe.
@@ -21,7 +20,7 @@ pub(super) struct Lobes {
 /// Inverses of the two squared roughnesses, and of the root of their product.
 type Lanes = (f32x8, f32x8, f32x8);
 
-/// The densities of slopes at a half vector, times π: of each node, and of all proposals together.
+/// The densities of slopes, times π: of each node, and of all proposals together.
 #[derive(Clone, Copy)]
 pub(super) struct Gaussians<const L: usize> {
     pub nodes: Nodes<L>,
@@ -52,9 +51,8 @@ impl Lobes {
         Self { nodes: inverses(nodes), proposals: inverses(proposals), widest }
     }
 
-    /// The densities at a half vector of any length, with this added to the squared roughnesses of the nodes.
-    pub fn at<const L: usize>(&self, h: Vec3, widened: f32) -> Gaussians<L> {
-        let (x, y) = (h.x * h.x / (h.z * h.z), h.y * h.y / (h.z * h.z));
+    /// The densities of slopes with these squares along the two tangents, with this added to the squared roughnesses of the nodes.
+    pub fn at<const L: usize>(&self, [x, y]: [f64; 2], widened: f32) -> Gaussians<L> {
         if widened == 0.0 && self.widest[0] * x + self.widest[1] * y > NOTHING {
             return Gaussians { nodes: [f32x8::ZERO; L], proposed: 0.0 };
         }

@@ -203,16 +203,19 @@ impl<const L: usize> Tagging<'_, L> {
             Arriving::Indirect => 0.0,
         };
         if part == Part::SpecularReflection {
-            return self.reflection(shape, repeated, wi, arriving, self.unknown.lobes.at(shape.viewer() + wi, widened as f32));
+            let slopes = lobe::slopes(shape.viewer() + wi);
+            return self.reflection(shape, repeated, wi, arriving, self.unknown.lobes.at(slopes, widened as f32));
         }
-        let at = |alpha: Alpha| lobe::transmission_pdf(alpha, shape.straight(), wi);
-        let values = match arriving {
+        let drawn: Gaussians<L> = self.unknown.lobes.at(lobe::shifts(shape.straight(), wi), 0.0);
+        let density = lobe::transmission_density_beside_gaussian(shape.straight(), wi);
+        let (nodes, scale) = match arriving {
             Arriving::Lamp(_) => {
-                self.unknown.at_nodes(|alpha| lobe::transmission(alpha.map(|a| a + widened), shape.straight(), shape.viewer(), wi))
+                let bent: Gaussians<L> = self.unknown.lobes.at(lobe::bends(shape.straight(), wi), widened as f32);
+                (bent.nodes, lobe::transmission_beside_gaussian(shape.viewer(), wi))
             }
-            Arriving::Indirect => self.unknown.at_nodes(at),
+            Arriving::Indirect => (drawn.nodes, density),
         };
-        (values, self.unknown.proposals.iter().map(|&alpha| at(alpha)).sum())
+        (nodes.map(|node| node * scale as f32), drawn.proposed * density)
     }
 
     /// The same of the reflected lobe, where its densities are known.
@@ -470,7 +473,7 @@ impl<const L: usize> Scattering for Surface<'_, L> {
                 let proposal = unknown.proposals[way];
                 let wi = if part == Part::SpecularReflection {
                     let wi = lobe::sample_reflection(proposal, shape.viewer(), u);
-                    drawn.take(unknown.lobes.at(shape.viewer() + wi, 0.0));
+                    drawn.take(unknown.lobes.at(lobe::slopes(shape.viewer() + wi), 0.0));
                     wi
                 } else {
                     lobe::sample_transmission(proposal, shape.straight(), u)
