@@ -19,6 +19,8 @@ mod parameter;
 mod past;
 mod polish;
 mod random;
+mod rugged;
+mod shares;
 mod walk;
 
 pub use check::is_possible;
@@ -27,7 +29,9 @@ pub use parameter::{Parameter, anywhere};
 use crate::error::{Error, Result};
 use polish::{Fit, Polish, Seen};
 use random::Random;
+use rugged::Lines;
 use serde::{Deserialize, Serialize};
+use shares::{stage_at, survey, walk_end, walk_progress};
 use walk::Walk;
 
 /// How to search.
@@ -103,6 +107,8 @@ pub struct Annealer {
     walk: Option<Walk>,
     /// Whether the same vector gives the same value again; unknown before one was evaluated twice.
     exact: Option<bool>,
+    /// Where it does, what tells before the polish whether it jumps.
+    lines: Option<Lines>,
     polish: Option<Polish>,
     /// The trial of the quadratic's minimum.
     answer: Option<usize>,
@@ -138,10 +144,6 @@ enum Purpose {
     Polish,
 }
 
-/// Part of the evaluations that the survey gets, and how many for each parameter at most.
-const SURVEY: (f64, usize) = (0.1, 8);
-/// Part of the evaluations that the polish gets.
-const POLISH: f64 = 0.45;
 /// How many standard deviations lower than the quadratic's minimum a value must be to be believed instead; if it repeats, by which part of it.
 const LUCK: (f64, f64) = (4.0, 0.5);
 /// How often the lowest value of a walk must have been measured before it is believed.
@@ -181,6 +183,7 @@ impl Annealer {
             stage: 0,
             walk: None,
             exact: None,
+            lines: None,
             polish: None,
             answer: None,
             next: None,
@@ -259,7 +262,8 @@ impl Annealer {
         if let (Some(answer), Some(fit)) = (self.answer, self.fit()) {
             let (a, c) = (&self.trials[answer], &self.trials[chosen]);
             let luck = LUCK.0 * fit.scatter * (1.0 / a.weight() + 1.0 / c.weight()).sqrt();
-            if c.chi2 > a.chi2 - if self.exact == Some(true) { luck.min(LUCK.1 * c.chi2.abs()) } else { luck } {
+            let luck = if self.exact == Some(true) { luck.min(LUCK.1 * c.chi2.abs()) } else { luck };
+            if c.chi2 > a.chi2 - luck || self.jumps() > 0.0 {
                 chosen = answer;
             }
         }
@@ -386,11 +390,20 @@ impl Annealer {
             .filter(|t| t.stage == self.stage && t.chi2 < f64::MAX)
             .map(|t| Seen { at: self.unit(&t.values), value: t.chi2, weight: t.weight() })
             .collect();
+        if self.lines.is_none() && self.exact == Some(true) && self.polish.is_none() && rugged::pays(self.options.steps - self.told) {
+            let start = seen.iter().min_by(|a, b| a.value.total_cmp(&b.value))?;
+            self.lines = Some(Lines::from(start, random));
+        }
+        let last = self.trials.last().map_or(f64::MAX, |trial| trial.chi2);
+        if let Some(point) = self.lines.as_mut().and_then(|lines| lines.next(last)) {
+            return Some(Next { values: self.values(&point), purpose: Purpose::Polish });
+        }
         let measured = self.answer.is_some_and(|answer| answer + 1 == self.trials.len());
         // Where values repeat, a minimum that is none when it is measured shows the quadratic to be wrong: begin anew about the lowest.
         let wrong = |(a, c): (usize, usize)| self.trials[a].chi2 - self.trials[c].chi2 > LUCK.1 * self.trials[c].chi2.abs();
         let astray = measured && self.exact == Some(true) && self.answer.zip(self.lowest(self.stage, 1)).is_some_and(wrong);
-        let mut polish = self.polish.take().filter(|_| !astray).unwrap_or_else(|| Polish::about(&seen, self.parameters.len()));
+        let mut polish =
+            self.polish.take().filter(|_| !astray).unwrap_or_else(|| Polish::about(&seen, self.parameters.len(), self.jumps()));
         let (next, minimum) = (polish.next(&seen, random), polish.minimum());
         self.polish = Some(polish);
         let tight = self.options.tolerance.is_some_and(|t| self.standard_errors().is_some_and(|errors| errors.iter().all(|&e| e < t)));
@@ -457,41 +470,6 @@ impl Trial {
     fn weight(&self) -> f64 {
         f64::from((self.times - 1).max(1))
     }
-}
-
-/// How many evaluations the survey gets, the start included.
-fn survey(options: &Options, parameters: usize) -> usize {
-    1 + ((options.steps as f64 * SURVEY.0) as usize).min(SURVEY.1 * parameters)
-}
-
-/// After how many evaluations the walk ends.
-fn walk_end(options: &Options, parameters: usize) -> usize {
-    if !options.polish {
-        // The best is to be measured again.
-        return options.steps - (options.steps / 10).min(2 * BELIEVED as usize);
-    }
-    // A quadratic needs some values more than it has coefficients, but never most of them.
-    let needed = polish::coefficients(parameters) + 8;
-    options.steps - ((options.steps as f64 * POLISH) as usize).max(needed.min(options.steps / 2))
-}
-
-/// How much of the walk is done, 0 to 1.
-fn walk_progress(told: usize, options: &Options, parameters: usize) -> f64 {
-    let (begin, end) = (survey(options, parameters) as f64, walk_end(options, parameters) as f64);
-    if (told as f64) < end { ((told as f64 - begin) / (end - begin).max(1.0)).clamp(0.0, 1.0) } else { 1.0 }
-}
-
-/// The stage at that progress.
-fn stage_at(shares: &[f64], progress: f64) -> usize {
-    let mut left = progress * shares.iter().sum::<f64>();
-    shares
-        .iter()
-        .take(shares.len() - 1)
-        .take_while(|share| {
-            left -= **share;
-            left >= 0.0
-        })
-        .count()
 }
 
 #[cfg(test)]

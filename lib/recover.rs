@@ -302,7 +302,8 @@ impl Evidence<'_> {
         pixels.sort_unstable();
         if pixels.is_empty() {
             return Err(Error::new(format!(
-                "no pixel of the picture {} `{}`, by itself, in a mirror or through panes of glass: check the view and the mask",
+                "no pixel of the picture {} `{}`, by itself, in a mirror or through panes of glass, nor is it looked for in a body of dielectric: check \
+                 the view and the mask",
                 if isolated { "shows nothing but" } else { "shows" },
                 unknown.material().name
             )));

@@ -65,6 +65,15 @@ fn the_file_of_a_candidate_is_one_word_wherever_it_is() {
 }
 
 #[test]
+fn noise_that_repeats_is_said() {
+    let told = |exec: &str| text(&run(directory().path(), &["--exec", exec, "--steps", "400", "start.rad"]).stderr);
+    let noisy = FAKE.replace(".02+", "1+.05*sin(2000*$2+1700*$3+2300*$4+1900*$5+5000*$6)+");
+    let (smooth, noisy) = (told(FAKE), told(&noisy));
+    assert!(!smooth.contains("warning"), "{smooth}");
+    assert!(noisy.contains("warning: chi-squared jumps by 0.0") && noisy.contains("imgdiff --unbiased"), "{noisy}");
+}
+
+#[test]
 fn an_answer_takes_the_place_of_the_one_before() {
     let directory = directory();
     let search = |exec: &str| run(directory.path(), &["--exec", exec, "--steps", "30", "-o", "start.rad", "start.rad"]);

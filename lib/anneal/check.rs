@@ -24,6 +24,7 @@ impl Annealer {
             })
             && self.trials.iter().map(|trial| trial.times as usize).sum::<usize>() == self.told
             && self.walk.as_ref().is_none_or(|walk| walk.is_consistent(count, trials))
+            && self.lines.as_ref().is_none_or(|lines| lines.is_consistent(count))
             && self.polish.as_ref().is_none_or(|polish| polish.is_consistent(count))
             && self.answer.is_none_or(|answer| answer < trials)
             && self.next.is_some() == self.end.is_none()

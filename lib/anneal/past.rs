@@ -2,6 +2,7 @@
 
 use super::Annealer;
 use super::linear::Symmetric;
+use super::rugged::Lines;
 
 impl Annealer {
     /// Every vector that was tried, in order, with its chi-squared (the mean of those told again); `None` for what is impossible, and for what
@@ -13,6 +14,11 @@ impl Annealer {
     /// Whether all that was told is the same number: then nothing was learnt.
     pub fn is_flat(&self) -> bool {
         self.trials.windows(2).all(|pair| pair[0].chi2 == pair[1].chi2)
+    }
+
+    /// By how much chi-squared jumps from one vector to the next, where it is the same again for the same; 0 where it does not, and before that is known.
+    pub fn jumps(&self) -> f64 {
+        self.lines.as_ref().map_or(0.0, Lines::jumps)
     }
 
     /// The correlations of the errors that noise in the picture makes, by the curvature of chi-squared; `None` before the polish knows it.

@@ -13,6 +13,7 @@
 use super::linear::Symmetric;
 use super::random::Random;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// A value that was measured, at a point of the unit cube.
 pub struct Seen {
@@ -47,6 +48,8 @@ pub struct Polish {
     metric: Symmetric,
     /// The smallest scatter that any fit left: the noise, as far as it is known.
     noise: f64,
+    /// By how much values jump that repeat: noise is no less.
+    jumps: f64,
     /// What the last fit found, if there was one.
     pub fit: Option<Fit>,
 }
@@ -72,6 +75,8 @@ const LENGTHS: (f64, f64) = (0.5, 1e-7);
 const CHANGE: (f64, f64) = (1.0 / 3.0, 2.0);
 /// How strongly second derivatives that the values leave open are held to the fit before, or to 0 when there was none.
 const HOLD: (f64, f64) = (1e-3, 1e-6);
+/// Where values jump, the width of a pit, in parts of the region.
+const PIT: f64 = 0.2;
 /// A step is long from here on, in parts of the region, and ends at the edge from there on.
 const LONG: (f64, f64) = (0.3, 0.95);
 
@@ -81,12 +86,13 @@ pub fn coefficients(variables: usize) -> usize {
 }
 
 impl Polish {
-    /// A search about the lowest of these values, in a region as large as the lowest few are spread.
-    pub fn about(seen: &[Seen], variables: usize) -> Self {
+    /// A search about the lowest of these values, in a region as large as the lowest few are spread, and all that jumps may have made higher.
+    pub fn about(seen: &[Seen], variables: usize, jumps: f64) -> Self {
         let mut lowest: Vec<&Seen> = seen.iter().collect();
         lowest.sort_by(|a, b| a.value.total_cmp(&b.value));
         let wanted = coefficients(variables) * 5 / 4;
-        lowest.truncate(wanted);
+        let level = lowest.first().map_or(0.0, |s| s.value) + 2.0 * EDGE * jumps;
+        lowest.truncate(wanted.max(lowest.partition_point(|s| s.value < level)));
         let center = lowest.first().map_or(vec![0.5; variables], |s| s.at.clone());
         // Too few values say little about how far to look.
         let least = if lowest.len() < wanted { 0.05 } else { 1e-3 };
@@ -95,7 +101,7 @@ impl Polish {
             (1.5 * square.sqrt().max(least)).min(LENGTHS.0)
         });
         let metric = Symmetric::diagonal(&half_lengths.map(|h| h.powi(-2)).collect::<Vec<_>>());
-        Self { center, metric, noise: f64::MAX, fit: None }
+        Self { center, metric, noise: f64::MAX, jumps, fit: None }
     }
 
     /// The quadratic's minimum, if there was a fit.
@@ -107,6 +113,7 @@ impl Polish {
     pub fn is_consistent(&self, variables: usize) -> bool {
         let vector = |x: &[f64]| x.len() == variables && x.iter().all(|x| x.is_finite());
         vector(&self.center)
+            && self.jumps >= 0.0
             && self.metric.is_finite_of(variables)
             && self.fit.as_ref().is_none_or(|fit| vector(&fit.minimum) && vector(&fit.errors) && fit.hessian.is_finite_of(variables))
     }
@@ -170,13 +177,19 @@ impl Polish {
         let variables = self.center.len();
         let root = self.metric.with_eigenvalues(f64::sqrt);
         let back = self.metric.with_eigenvalues(|v| v.powf(-0.5));
-        let rows: Vec<(Vec<f64>, f64, f64)> = (seen.iter())
+        let near: Vec<(Vec<f64>, f64, f64)> = (seen.iter())
             .filter_map(|s| {
                 let z = root.times(&difference(&s.at, &self.center));
                 let weight = (2.0 - norm(&z)).clamp(0.0, 1.0).powi(3);
-                (weight > 1e-3).then(|| (features(&z), s.value, weight * s.weight))
+                (weight > 1e-3).then_some((z, s.value, weight * s.weight))
             })
             .collect();
+        // Where values jump, those of one pit count as one.
+        let mut pits: BTreeMap<Vec<i64>, f64> = BTreeMap::new();
+        let pit = |z: &[f64]| z.iter().map(|z| (z / PIT).round() as i64).collect::<Vec<_>>();
+        near.iter().for_each(|(z, ..)| *pits.entry(pit(z)).or_default() += 1.0);
+        let alike = |z: &[f64]| if self.jumps > 0.0 { pits[&pit(z)] } else { 1.0 };
+        let rows: Vec<(Vec<f64>, f64, f64)> = near.iter().map(|(z, value, weight)| (features(z), *value, weight / alike(z))).collect();
         let prior = self.fit.as_ref().map(|fit| back.around(&fit.hessian));
         let Some(quadratic) = Quadratic::fit(&rows, variables, prior.as_ref()) else {
             // Values this wild are no quadratic here: look closer.
@@ -198,10 +211,10 @@ impl Polish {
         let error = |i| Some(slack * errors.at(i, i).max(0.0).sqrt()).filter(|e| e.is_finite()).unwrap_or(f64::MAX);
         // The new region is the level line EDGE deviations up; at the edge of the old one, as far up as this step went down.
         if quadratic.freedom > variables as f64 {
-            self.noise = self.noise.min(quadratic.scatter * (1.0 + SLACK / quadratic.freedom.sqrt()));
+            self.noise = self.noise.min(quadratic.scatter * (1.0 + SLACK / quadratic.freedom.sqrt())).max(self.jumps);
         }
         let at_edge = length > LONG.1;
-        let rise = (EDGE * self.noise.min(quadratic.scatter)).max(if at_edge { quadratic.value - value } else { 0.0 });
+        let rise = (EDGE * self.noise.min(quadratic.scatter).max(self.jumps)).max(if at_edge { quadratic.value - value } else { 0.0 });
         let level = 2.0 * rise.max(1e-14 * (quadratic.value.abs() + largest)).max(f64::MIN_POSITIVE);
         let steepest = if at_edge { 1.0 } else { CHANGE.0.powi(-2) };
         let shape = positive.with_eigenvalues(|v| (v / level).clamp(CHANGE.1.powi(-2), steepest));

@@ -8,7 +8,7 @@ use crate::anneal::linear::Symmetric;
 use crate::anneal::{Annealer, End, Options, is_possible};
 use crate::error::{Error, Result};
 use crate::metric::Loss;
-use crate::rad::{Document, decode};
+use crate::rad::{Document, Number, decode};
 use crate::recover::answer::{Answer, missed, six};
 use crate::recover::doubts::Known;
 use crate::recover::misfit::Misfit;
@@ -269,7 +269,15 @@ impl Search {
     pub fn answer(&self, values: &[f64]) -> Answer<'_> {
         let known =
             self.covariance().map(|covariance| Known { covariance, common: None, pressed: &[], misfit: Misfit::default(), blur: None });
-        Answer::new(&self.unknown, values, known.as_ref())
+        Answer::new(&self.unknown, values, known.as_ref()).and(self.jumps())
+    }
+
+    /// What is to be said of a chi-squared that jumps.
+    fn jumps(&self) -> Option<String> {
+        let jumps = Some(self.kept.annealer.jumps()).filter(|jumps| *jumps > 0.0)?;
+        let noise = "so noisy a rendering also adds to it, more where it is brighter, which errors do not hold";
+        let remedy = "render with more samples, or twice with other noise for imgdiff --unbiased";
+        Some(format!("chi-squared jumps by {} from one candidate to the next: {noise}; {remedy}", Number::rounded(jumps, 2)))
     }
 
     /// Searches to the end: of the search, of the time, or until the user interrupts. Says whether it got to the end that was wished for.

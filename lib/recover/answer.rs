@@ -46,6 +46,12 @@ impl<'a> Answer<'a> {
         Self { unknown, values: rounded, judgement, doubts }
     }
 
+    /// The same with one more doubt, if there is one.
+    pub fn and(mut self, doubt: Option<String>) -> Self {
+        self.doubts.extend(doubt);
+        self
+    }
+
     /// The values, without the digits that mean nothing.
     pub fn values(&self) -> &[f64] {
         &self.values
