@@ -10,8 +10,8 @@
 //!    it is an improvement: that is this at temperature 0.
 //! 3. Polish: local quadratics through all that was measured near the best.
 //!
-//! Evaluations may be noisy. A value that repeats differently is averaged before it is believed, and the answer is the
-//! minimum of the quadratic, not the luckiest value.
+//! Evaluations may be noisy. A value that repeats differently is averaged before it is believed, one that repeats is no better where values jump from
+//! vector to vector, and the answer is the minimum of the quadratic, not the luckiest value.
 
 mod check;
 pub mod linear;

@@ -302,7 +302,7 @@ impl Evidence<'_> {
         pixels.sort_unstable();
         if pixels.is_empty() {
             return Err(Error::new(format!(
-                "no pixel of the picture {} `{}`, by itself, in a mirror or through panes of glass, nor is it looked for in a body of dielectric: check \
+                "no pixel of the picture {} `{}`, by itself, in a mirror or through panes of glass (in a body of dielectric it is not looked for): check \
                  the view and the mask",
                 if isolated { "shows nothing but" } else { "shows" },
                 unknown.material().name

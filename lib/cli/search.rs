@@ -272,9 +272,9 @@ impl Search {
         Answer::new(&self.unknown, values, known.as_ref()).and(self.jumps())
     }
 
-    /// What is to be said of a chi-squared that jumps.
+    /// What is to be said of a chi-squared that jumps, unless who judges knows its noise.
     fn jumps(&self) -> Option<String> {
-        let jumps = Some(self.kept.annealer.jumps()).filter(|jumps| *jumps > 0.0)?;
+        let jumps = Some(self.kept.annealer.jumps()).filter(|jumps| *jumps > 0.0 && self.kept.covariance.is_none())?;
         let noise = "so noisy a rendering also adds to it, more where it is brighter, which errors do not hold";
         let remedy = "render with more samples, or twice with other noise for imgdiff --unbiased";
         Some(format!("chi-squared jumps by {} from one candidate to the next: {noise}; {remedy}", Number::rounded(jumps, 2)))
