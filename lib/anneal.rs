@@ -402,9 +402,9 @@ impl Annealer {
         // Where values repeat, a minimum that is none when it is measured shows the quadratic to be wrong: begin anew about the lowest.
         let wrong = |(a, c): (usize, usize)| self.trials[a].chi2 - self.trials[c].chi2 > LUCK.1 * self.trials[c].chi2.abs();
         let astray = measured && self.exact == Some(true) && self.answer.zip(self.lowest(self.stage, 1)).is_some_and(wrong);
-        let mut polish =
-            self.polish.take().filter(|_| !astray).unwrap_or_else(|| Polish::about(&seen, self.parameters.len(), self.jumps()));
-        let (next, minimum) = (polish.next(&seen, random), polish.minimum());
+        let jumps = self.jumps();
+        let mut polish = self.polish.take().filter(|_| !astray).unwrap_or_else(|| Polish::about(&seen, self.parameters.len(), jumps));
+        let (next, minimum) = (polish.next(&seen, jumps, random), polish.minimum());
         self.polish = Some(polish);
         let tight = self.options.tolerance.is_some_and(|t| self.standard_errors().is_some_and(|errors| errors.iter().all(|&e| e < t)));
         if next.is_none() || (tight && measured) {

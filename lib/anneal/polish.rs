@@ -48,8 +48,6 @@ pub struct Polish {
     metric: Symmetric,
     /// The smallest scatter that any fit left: the noise, as far as it is known.
     noise: f64,
-    /// By how much values jump that repeat: noise is no less.
-    jumps: f64,
     /// What the last fit found, if there was one.
     pub fit: Option<Fit>,
 }
@@ -101,7 +99,7 @@ impl Polish {
             (1.5 * square.sqrt().max(least)).min(LENGTHS.0)
         });
         let metric = Symmetric::diagonal(&half_lengths.map(|h| h.powi(-2)).collect::<Vec<_>>());
-        Self { center, metric, noise: f64::MAX, jumps, fit: None }
+        Self { center, metric, noise: f64::MAX, fit: None }
     }
 
     /// The quadratic's minimum, if there was a fit.
@@ -113,13 +111,12 @@ impl Polish {
     pub fn is_consistent(&self, variables: usize) -> bool {
         let vector = |x: &[f64]| x.len() == variables && x.iter().all(|x| x.is_finite());
         vector(&self.center)
-            && self.jumps >= 0.0
             && self.metric.is_finite_of(variables)
             && self.fit.as_ref().is_none_or(|fit| vector(&fit.minimum) && vector(&fit.errors) && fit.hessian.is_finite_of(variables))
     }
 
-    /// The next point to measure, in the unit cube; `None` when the region has become a point.
-    pub fn next(&mut self, seen: &[Seen], random: &mut Random) -> Option<Vec<f64>> {
+    /// The next point to measure, in the unit cube; `None` when the region has become a point. Noise is no less than values jump that repeat.
+    pub fn next(&mut self, seen: &[Seen], jumps: f64, random: &mut Random) -> Option<Vec<f64>> {
         let variables = self.center.len();
         let many = coefficients(variables) + 2;
         // Fit and move as often as the values allow it.
@@ -128,7 +125,7 @@ impl Polish {
             if near < if self.fit.is_some() { 2 * variables + 1 } else { many } {
                 break;
             }
-            let moved = self.refit(seen);
+            let moved = self.refit(seen, jumps);
             if self.longest() < LENGTHS.1 {
                 return None;
             }
@@ -173,7 +170,7 @@ impl Polish {
     }
 
     /// Fits the quadratic and moves, turns and resizes the region; says whether the centre moved by a good part of it.
-    fn refit(&mut self, seen: &[Seen]) -> bool {
+    fn refit(&mut self, seen: &[Seen], jumps: f64) -> bool {
         let variables = self.center.len();
         let root = self.metric.with_eigenvalues(f64::sqrt);
         let back = self.metric.with_eigenvalues(|v| v.powf(-0.5));
@@ -187,8 +184,10 @@ impl Polish {
         // Where values jump, those of one pit count as one.
         let mut pits: BTreeMap<Vec<i64>, f64> = BTreeMap::new();
         let pit = |z: &[f64]| z.iter().map(|z| (z / PIT).round() as i64).collect::<Vec<_>>();
-        near.iter().for_each(|(z, ..)| *pits.entry(pit(z)).or_default() += 1.0);
-        let alike = |z: &[f64]| if self.jumps > 0.0 { pits[&pit(z)] } else { 1.0 };
+        if jumps > 0.0 {
+            near.iter().for_each(|(z, ..)| *pits.entry(pit(z)).or_default() += 1.0);
+        }
+        let alike = |z: &[f64]| if jumps > 0.0 { pits[&pit(z)] } else { 1.0 };
         let rows: Vec<(Vec<f64>, f64, f64)> = near.iter().map(|(z, value, weight)| (features(z), *value, weight / alike(z))).collect();
         let prior = self.fit.as_ref().map(|fit| back.around(&fit.hessian));
         let Some(quadratic) = Quadratic::fit(&rows, variables, prior.as_ref()) else {
@@ -211,10 +210,10 @@ impl Polish {
         let error = |i| Some(slack * errors.at(i, i).max(0.0).sqrt()).filter(|e| e.is_finite()).unwrap_or(f64::MAX);
         // The new region is the level line EDGE deviations up; at the edge of the old one, as far up as this step went down.
         if quadratic.freedom > variables as f64 {
-            self.noise = self.noise.min(quadratic.scatter * (1.0 + SLACK / quadratic.freedom.sqrt())).max(self.jumps);
+            self.noise = self.noise.min(quadratic.scatter * (1.0 + SLACK / quadratic.freedom.sqrt()));
         }
         let at_edge = length > LONG.1;
-        let rise = (EDGE * self.noise.min(quadratic.scatter).max(self.jumps)).max(if at_edge { quadratic.value - value } else { 0.0 });
+        let rise = (EDGE * self.noise.min(quadratic.scatter).max(jumps)).max(if at_edge { quadratic.value - value } else { 0.0 });
         let level = 2.0 * rise.max(1e-14 * (quadratic.value.abs() + largest)).max(f64::MIN_POSITIVE);
         let steepest = if at_edge { 1.0 } else { CHANGE.0.powi(-2) };
         let shape = positive.with_eigenvalues(|v| (v / level).clamp(CHANGE.1.powi(-2), steepest));

@@ -151,13 +151,21 @@ pub fn transmission_pdf(beta: [f64; 2], straight: Vec3, wi: Vec3) -> f64 {
 
 /// The squares of the slopes with which [`sample_transmission`] moves a straight direction to another on its side.
 pub fn shifts(straight: Vec3, wi: Vec3) -> [f64; 2] {
-    let moved = wi * (straight.z / wi.z) - straight;
+    let moved = wi * stretch(straight, wi) - straight;
     [moved.x * moved.x, moved.y * moved.y]
 }
 
 /// What [`transmission_pdf`] is beside the Gaussian: nothing on the other side.
 pub fn transmission_density_beside_gaussian(straight: Vec3, wi: Vec3) -> f64 {
-    (straight.z / wi.z).max(0.0).powi(3) / (PI * straight.z.abs())
+    stretch(straight, wi).powi(3) / (PI * straight.z.abs())
+}
+
+/// How many times as far along the normal as a direction on its side a straight one goes; 0 for one that no slope moves it to: on the other side, or
+/// along the surface.
+fn stretch(straight: Vec3, wi: Vec3) -> f64 {
+    const STEEPEST: f64 = 1e12;
+    let stretch = straight.z / wi.z;
+    if stretch > 0.0 && stretch < STEEPEST { stretch } else { 0.0 }
 }
 
 /// The straight direction moved in the surface plane by a slope of the lobe, as RADIANCE scatters transmitted light.
@@ -176,6 +184,17 @@ mod tests {
             let ([x, y], [a, b]) = (slope([0.01, 0.2], u), slope([0.01, 0.2], opposite(u)));
             assert!((x + a).abs() < 1e-12 && (y + b).abs() < 1e-12, "{u:?}");
         }
+    }
+
+    #[test]
+    fn nothing_is_drawn_along_the_surface_or_beyond_it() {
+        let straight = Vec3::new(0.6, 0.0, -0.8);
+        for z in [0.0, -0.0, -1e-14, 1e-14, 0.6] {
+            let wi = Vec3::new((1.0f64 - z * z).sqrt(), 0.0, z);
+            assert_eq!(transmission_pdf([0.01; 2], straight, wi), 0.0, "{wi:?}");
+            assert!(shifts(straight, wi).iter().all(|square| square.is_finite()), "{wi:?}");
+        }
+        assert!((transmission_pdf([0.01; 2], straight, straight) - 100.0 / (0.8 * PI)).abs() < 1e-9);
     }
 
     /// Against counting on a grid of 400 × 400 directions.
