@@ -30,7 +30,7 @@ pub struct Environment {
 impl Environment {
     /// The density for the radiance `radiance` of a direction of travel, tabulated in `height` × 2·`height` cells of polar angle and azimuth.
     /// `None` if nothing stands out from the mean.
-    pub fn new(height: usize, radiance: impl Fn(Vec3) -> Rgb + Sync) -> Option<Self> {
+    pub fn new(height: usize, radiance: &(dyn Fn(Vec3) -> Rgb + Sync)) -> Option<Self> {
         let width = 2 * height;
         // Brightness at the corners of the cells, row by row.
         let corners: Vec<Vec<f32>> = (0..=height)
@@ -97,7 +97,7 @@ mod tests {
 
     #[test]
     fn sampled_directions_have_the_density_that_pdf_says_and_it_integrates_to_one() {
-        let environment = Environment::new(64, lamp).unwrap();
+        let environment = Environment::new(64, &lamp).unwrap();
         let n = 200;
         let mut total = 0.0;
         for i in 0..n {
@@ -117,7 +117,7 @@ mod tests {
 
     #[test]
     fn a_uniform_environment_is_left_to_the_material() {
-        assert!(Environment::new(16, |_| Rgb::ONE).is_none());
-        assert!(Environment::new(16, |_| Rgb::ZERO).is_none());
+        assert!(Environment::new(16, &|_| Rgb::ONE).is_none());
+        assert!(Environment::new(16, &|_| Rgb::ZERO).is_none());
     }
 }

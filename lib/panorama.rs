@@ -40,12 +40,12 @@ pub struct Panorama {
 impl Panorama {
     /// The tables of the radiance `radiance` of a direction of travel, taken at `height` × 2·`height` places. A sun is dimmed: at the
     /// horizon its irradiance would be coarse, and directions that are aimed there find it anyway.
-    pub fn new(height: usize, radiance: impl Fn(Vec3) -> Rgb + Sync) -> Self {
+    pub fn new(height: usize, radiance: &(dyn Fn(Vec3) -> Rgb + Sync)) -> Self {
         let finite = |v: f64| if v.is_finite() { v.max(0.0) } else { 0.0 };
-        let mut radiance = Table::new(height, 0.5, |direction| Rgb::from(radiance(direction).to_array().map(finite)));
+        let mut radiance = Table::new(height, 0.5, &|direction| Rgb::from(radiance(direction).to_array().map(finite)));
         radiance.dim(MOST);
         let moments = moments(&radiance);
-        let irradiance = Table::new(NORMALS, 0.0, |normal| irradiance(&moments, normal));
+        let irradiance = Table::new(NORMALS, 0.0, &|normal| irradiance(&moments, normal));
         Self { radiance, irradiance }
     }
 
@@ -129,7 +129,7 @@ struct Table {
 
 impl Table {
     /// A table of `rows` steps of way and 2·`rows` of turn.
-    fn new(rows: usize, first: f64, value: impl Fn(Vec3) -> Rgb + Sync) -> Self {
+    fn new(rows: usize, first: f64, value: &(dyn Fn(Vec3) -> Rgb + Sync)) -> Self {
         let width = 2 * rows;
         let last = if first == 0.0 { rows } else { rows - 1 };
         let angle = |step: usize| (PI * (step as f64 + first) / rows as f64).sin_cos();
@@ -215,7 +215,7 @@ mod tests {
     #[test]
     fn the_irradiance_is_the_integral_of_the_radiance() {
         let half = |d: Vec3| if d.z > 0.0 { 1.0 } else { 0.0 };
-        let panorama = Panorama::new(256, |d| Rgb::new(1.0, 1.0 + d.x, half(d)));
+        let panorama = Panorama::new(256, &|d| Rgb::new(1.0, 1.0 + d.x, half(d)));
         for n in directions() {
             let (found, right) = (panorama.irradiance(Place::of(n)), Rgb::new(1.0, 1.0 + 2.0 / 3.0 * n.x, (1.0 + n.z) / 2.0));
             assert!((found - right).abs().max_element() < 5e-4, "{n}: {found} instead of {right}");
@@ -224,7 +224,7 @@ mod tests {
 
     #[test]
     fn between_places_the_radiance_is_linear_and_does_not_end_where_a_turn_does() {
-        let panorama = Panorama::new(128, |d| Rgb::new(2.0 + d.x, 2.0 + d.y, 2.0 + d.z));
+        let panorama = Panorama::new(128, &|d| Rgb::new(2.0 + d.x, 2.0 + d.y, 2.0 + d.z));
         for d in directions() {
             let off = panorama.radiance(Place::of(d)) - Rgb::new(2.0 + d.x, 2.0 + d.y, 2.0 + d.z);
             assert!(off.abs().max_element() < 1e-3 + if d.z.abs() > 0.999 { 0.02 } else { 0.0 }, "{d}: {off}");

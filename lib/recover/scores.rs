@@ -38,7 +38,7 @@ pub struct Evaluation {
 /// The sums over pixels and channels of weight × derivative × `rest`, and of weight × derivative × derivative, for the mean of both halves.
 pub fn products(weights: &[Channels; 2], derivatives: &[Vec<Half>], rest: impl Fn(usize, usize) -> f64 + Sync) -> (Vec<f64>, Symmetric) {
     let n = derivatives.len();
-    let sums = total(weights[0].len(), n + n * n, |p, sums| {
+    let sums = total(weights[0].len(), n + n * n, &|p, sums| {
         for c in 0..3 {
             let (w, rest) = (weight(weights, p, c), rest(p, c));
             let d = |i: usize| mean(&derivatives[i], p, c);
@@ -112,7 +112,7 @@ impl<'a> Scores<'a> {
         let (d, n) = (&self.here.derivatives, self.here.derivatives.len());
         let half = |i: usize, j: usize, p: usize, c: usize, h: usize| weights[h][p][c] as f64 * d[i][h][p][c] * d[j][1 - h][p][c];
         let both = |i: usize, j: usize, p: usize| 0.5 * (0..3).map(|c| half(i, j, p, c, 0) + half(i, j, p, c, 1)).sum::<f64>();
-        let sums = total(self.pixels(), n * n, |p, sums| {
+        let sums = total(self.pixels(), n * n, &|p, sums| {
             sums.iter_mut().enumerate().for_each(|(k, sum)| *sum += self.trust[k / n][p] * both(k / n, k % n, p));
         });
         let mut slopes: Vec<Vec<f64>> = sums.chunks(n.max(1)).map(<[f64]>::to_vec).collect();
@@ -191,7 +191,7 @@ impl<'a> Scores<'a> {
 
     /// The score of each parameter.
     fn scores(&self) -> Vec<f64> {
-        total(self.pixels(), self.here.derivatives.len(), |p, sums| {
+        total(self.pixels(), self.here.derivatives.len(), &|p, sums| {
             sums.iter_mut().enumerate().for_each(|(i, sum)| *sum += self.score(i, p))
         })
     }
@@ -207,7 +207,7 @@ impl<'a> Scores<'a> {
     pub fn bounded(&self, most: f64) -> Option<Weights> {
         let (inverse, errors) = (self.inverse.as_ref()?, self.covariance.deviations());
         let n = errors.len();
-        let told = total(self.pixels(), 2 * n, |p, sums| {
+        let told = total(self.pixels(), 2 * n, &|p, sums| {
             let (squares, fourths) = sums.split_at_mut(n);
             for (i, told) in self.tells(inverse, p).into_iter().enumerate() {
                 squares[i] += told;
@@ -256,7 +256,7 @@ impl<'a> Scores<'a> {
     /// far off.
     fn withheld_where(&self, inverse: &[Vec<f64>], agreed: bool) -> Option<Way> {
         let n = inverse.len();
-        let sums = total(self.pixels(), n + n * n, |p, sums| {
+        let sums = total(self.pixels(), n + n * n, &|p, sums| {
             let more = 1.0 / self.weights.kept[p] as f64 - 1.0;
             if more > 0.0 && self.agreed(p) == agreed {
                 let (moved, squares) = sums.split_at_mut(n);
@@ -286,7 +286,7 @@ impl<'a> Scores<'a> {
     /// The weighted squares, over all pixels, of what one half is off by plus `sign` times the other: of the rendering's noise if that is −1.
     pub fn squares(&self, sign: f64) -> f64 {
         let both = |p: usize, c: usize| self.residual(p, c, 0) + sign * self.residual(p, c, 1);
-        total(self.pixels(), 3, |p, sums| (0..3).for_each(|c| sums[c] += weight(&self.weights.halves, p, c) * both(p, c).powi(2)))
+        total(self.pixels(), 3, &|p, sums| (0..3).for_each(|c| sums[c] += weight(&self.weights.halves, p, c) * both(p, c).powi(2)))
             .iter()
             .sum()
     }
@@ -294,7 +294,7 @@ impl<'a> Scores<'a> {
     /// How much of the derivative by each parameter is not noise, from 0 to 1.
     pub fn clarity(&self) -> Vec<f64> {
         let clarity = |d: &Vec<Half>| {
-            let sums = total(self.pixels(), 2, |p, sums| {
+            let sums = total(self.pixels(), 2, &|p, sums| {
                 agreement(&self.weights.halves, p, |half, c| d[half][p][c]).iter().zip(sums).for_each(|(part, sum)| *sum += part)
             });
             if sums[1] > 0.0 { (sums[0] / sums[1]).clamp(0.0, 1.0) } else { 0.0 }

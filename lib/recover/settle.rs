@@ -107,7 +107,7 @@ impl Valley for Whole<'_> {
     fn chi2(&self, values: &[f64]) -> f64 {
         let (target, halves) = (&self.traced.sheet.target, self.traced.halves(values));
         let rest = |p: usize, c: usize| target[p][c] as f64 - mean(&halves, p, c);
-        total(target.len(), 1, |p, sum| sum[0] += (0..3).map(|c| weight(self.weights, p, c) * rest(p, c).powi(2)).sum::<f64>())[0]
+        total(target.len(), 1, &|p, sum| sum[0] += (0..3).map(|c| weight(self.weights, p, c) * rest(p, c).powi(2)).sum::<f64>())[0]
     }
 
     fn normal_equations(&self, values: &[f64]) -> (Vec<f64>, Symmetric) {

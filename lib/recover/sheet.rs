@@ -13,6 +13,8 @@ use std::sync::Arc;
 pub type Channels = Vec<[f32; 3]>;
 /// The same of an estimate.
 pub type Half = Vec<[f64; 3]>;
+/// How much one pixel counts for another, by how far to the right of that and how far below it is.
+type Share<'s> = dyn Fn(isize, isize) -> f64 + Sync + 's;
 
 /// How much pixels count.
 #[derive(Clone)]
@@ -119,17 +121,17 @@ impl<'a> Sheet<'a> {
 
     /// For each pixel, the mean of `values` over the pixels at most `reach` away that count.
     pub fn blurred(&self, values: &[[f64; 3]], reach: isize) -> Vec<[f64; 3]> {
-        self.mean(values, reach, |_, _| true)
+        self.mean(values, reach, &|_, _| 1.0)
     }
 
     /// The same without the pixel itself, unless it is alone.
     pub fn around(&self, values: &[[f64; 3]], reach: isize) -> Vec<[f64; 3]> {
-        self.mean(values, reach, |u, v| (u, v) != (0, 0))
+        self.mean(values, reach, &|u, v| f64::from((u, v) != (0, 0)))
     }
 
     /// The same without those that share a side with it either.
     pub fn apart(&self, values: &[[f64; 3]], reach: isize) -> Vec<[f64; 3]> {
-        self.mean(values, reach, |u, v| u.abs() + v.abs() > 1)
+        self.mean(values, reach, &|u, v| f64::from(u.abs() + v.abs() > 1))
     }
 
     /// For each pixel, the sum of `values` over all that count, times the correlation of their noise with its own: exp(−d²/4`variance`).
@@ -137,7 +139,7 @@ impl<'a> Sheet<'a> {
         let reach = (4.0 * variance.sqrt()).ceil();
         let falls: Vec<f64> = (0..=reach as i32).map(|d| (-f64::from(d).powi(2) / (4.0 * variance)).exp()).collect();
         let share = |u: isize, v: isize| falls[u.unsigned_abs()] * falls[v.unsigned_abs()];
-        self.sums(values, reach as isize, share).map(|(sum, _)| sum).collect()
+        self.sums(values, reach as isize, &share).into_iter().map(|(sum, _)| sum).collect()
     }
 
     /// The values of the pixels on the four sides of one; the target's where they are not in the sheet. None of what is masked, cut off, or no number.
@@ -155,21 +157,16 @@ impl<'a> Sheet<'a> {
         .collect()
     }
 
-    fn mean(&self, values: &[[f64; 3]], reach: isize, counts: impl Fn(isize, isize) -> bool + Sync + Send) -> Vec<[f64; 3]> {
-        let sums = self.sums(values, reach, |u, v| f64::from(counts(u, v)));
-        sums.zip(values.par_iter()).map(|((sum, shares), own)| if shares > 0.0 { sum.map(|s| s / shares) } else { *own }).collect()
+    fn mean(&self, values: &[[f64; 3]], reach: isize, share: &Share) -> Vec<[f64; 3]> {
+        let sums = self.sums(values, reach, share).into_iter().zip(values);
+        sums.map(|((sum, shares), own)| if shares > 0.0 { sum.map(|s| s / shares) } else { *own }).collect()
     }
 
     /// For each pixel, the sum of `values` over the pixels at most `reach` away that count, each times its share by how far to the right and how far
     /// below it is; and the sum of those shares.
-    fn sums<'s>(
-        &'s self,
-        values: &'s [[f64; 3]],
-        reach: isize,
-        share: impl Fn(isize, isize) -> f64 + Sync + Send + 's,
-    ) -> impl IndexedParallelIterator<Item = ([f64; 3], f64)> + 's {
+    fn sums(&self, values: &[[f64; 3]], reach: isize, share: &Share) -> Vec<([f64; 3], f64)> {
         let (width, height) = (self.evidence.film.width as isize, self.evidence.film.height as isize);
-        self.numbers.par_iter().map(move |&n| {
+        let of = |&n: &usize| {
             let (x, y) = (n as isize % width, n as isize / width);
             let (mut sum, mut shares) = ([0.0; 3], 0.0);
             for v in (y - reach).max(0)..=(y + reach).min(height - 1) {
@@ -182,7 +179,8 @@ impl<'a> Sheet<'a> {
                 }
             }
             (sum, shares)
-        })
+        };
+        self.numbers.par_iter().map(of).collect()
     }
 
     fn masked(&self, i: usize, weight: [f64; 3]) -> [f32; 3] {

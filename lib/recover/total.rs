@@ -2,8 +2,9 @@
 
 use rayon::prelude::*;
 
-/// `width` sums over `count` pixels, to which `part` adds those of one. Fixed pieces, summed in order: the same bytes for any number of threads.
-pub fn total(count: usize, width: usize, part: impl Fn(usize, &mut [f64]) + Sync) -> Vec<f64> {
+/// `width` sums over `count` pixels, to which `part` adds those of one. Fixed pieces, summed in order: the same bytes for any number of threads. Compiled
+/// once for all of them, as what shares work between threads is long.
+pub fn total(count: usize, width: usize, part: &(dyn Fn(usize, &mut [f64]) + Sync)) -> Vec<f64> {
     let piece = |piece: usize| {
         let mut sums = vec![0.0; width];
         (piece * PIECE..((piece + 1) * PIECE).min(count)).for_each(|p| part(p, &mut sums));

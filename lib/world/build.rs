@@ -103,7 +103,7 @@ impl World {
             && !(glow.spread >= 2.0 && world.chains[glow.chain].links.is_empty())
         {
             // The first one that is all around, without a pattern, is all there is: nothing stands out.
-            world.environment = Environment::new(ENVIRONMENT_ROWS, |d| world.glow(middle, d));
+            world.environment = Environment::new(ENVIRONMENT_ROWS, &|d| world.glow(middle, d));
         }
         Ok(world)
     }

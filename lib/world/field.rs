@@ -86,14 +86,14 @@ impl Probes {
             }
         }
         let rows = shared(rows, glows.len());
-        let tables = glows.iter().map(|glow| Environment::new(rows, |direction| glow.radiance(world, direction))).collect();
+        let tables = glows.iter().map(|glow| Environment::new(rows, &|direction| glow.radiance(world, direction))).collect();
         (!probes.is_empty()).then_some((Self { probes, glows, tables, field }, lamps))
     }
 
     /// The panoramas of the glows, with as many cells together as one of `rows` rows.
     pub(super) fn panoramas(&self, world: &World, rows: usize) -> Vec<Panorama> {
         let rows = shared(rows, self.glows.len());
-        self.glows.iter().map(|glow| Panorama::new(rows, |direction| glow.radiance(world, direction))).collect()
+        self.glows.iter().map(|glow| Panorama::new(rows, &|direction| glow.radiance(world, direction))).collect()
     }
 
     /// The mean of a number of each environment of a point, given by the place of its glow.

@@ -63,7 +63,7 @@ impl World {
         let middle = self.middle();
         match &self.probes {
             Some(probes) => probes.panoramas(self, ROWS),
-            None => vec![Panorama::new(ROWS, |direction| self.glow(middle, direction))],
+            None => vec![Panorama::new(ROWS, &|direction| self.glow(middle, direction))],
         }
     }
 

@@ -17,7 +17,7 @@ impl Scores<'_> {
     pub(super) fn covariances(&self, inverse: &[Vec<f64>], bounds: &[(f64, f64)]) -> (Symmetric, Symmetric) {
         let n = self.here.derivatives.len();
         let usual = self.usual();
-        let sums = total(self.pixels(), 2 * n * n, |p, sums| {
+        let sums = total(self.pixels(), 2 * n * n, &|p, sums| {
             let (all, own) = sums.split_at_mut(n * n);
             let followed = self.leverage(inverse, p).clamp(0.0, MOST_LEVERAGE);
             let larger = (1.0 - followed).sqrt().recip();
@@ -48,7 +48,7 @@ impl Scores<'_> {
     /// The square of a channel's error in terms of its weight, on the average.
     fn usual(&self) -> f64 {
         let square = |p: usize| (0..3).map(|c| weight(&self.weights.halves, p, c) * self.sheet.cross(&self.here.halves, p, c)).sum::<f64>();
-        total(self.pixels(), 1, |p, sum| sum[0] += square(p))[0].max(0.0) / (3 * self.pixels().max(1)) as f64
+        total(self.pixels(), 1, &|p, sum| sum[0] += square(p))[0].max(0.0) / (3 * self.pixels().max(1)) as f64
     }
 
     /// How far an error of one over the root of its weight in each channel of a pixel moves the values.
@@ -148,7 +148,7 @@ impl Scores<'_> {
     fn moved(&self, error: impl Fn(usize, usize) -> f64 + Sync) -> (Symmetric, Vec<f64>) {
         let n = self.here.derivatives.len();
         let Some(inverse) = &self.inverse else { return (Symmetric::diagonal(&vec![f64::INFINITY; n]), vec![f64::INFINITY; n]) };
-        let sums = total(self.pixels(), n + n * n, |p, sums| {
+        let sums = total(self.pixels(), n + n * n, &|p, sums| {
             if self.weights.kept[p] < 1.0 {
                 return;
             }
