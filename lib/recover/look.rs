@@ -220,7 +220,8 @@ impl Look<'_> {
         if let Some(variance) = self.evidence.film.filter.beyond() {
             now.covariance = now.spread(variance);
         }
-        let (common, misfit) = (now.common(), Misfit::new(sheet, basis, &now.here.halves, model.glints()));
+        let misfit = Misfit::new(sheet, basis, &now.here.halves, model.glints());
+        let common = now.common(&misfit);
         let (held, withheld) = (now.weights.kept.iter().any(|kept| *kept < 1.0), now.withheld());
         let (chi2, pixels) = (sheet.chi2(&now.here.halves), sheet.numbers.len());
         let found = Recovery {

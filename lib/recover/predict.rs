@@ -114,5 +114,5 @@ fn by(model: &mut dyn Model, evidence: &Evidence, unknown: &Unknown, [pixels, al
         .map(|t| t.map(|v| (count / ((NOISE * v as f64).powi(2) + dark * dark).max(f64::MIN_POSITIVE)) as f32))
         .collect();
     let scores = Scores::new(&sheet, Weights::new([weights.clone(), weights]), here, &bounds);
-    Ok(Prediction { covariance: scores.expected(), common: scores.common(), pixels: all.len(), level: sheet.level })
+    Ok(Prediction { covariance: scores.expected(), common: scores.common(&Misfit::default()), pixels: all.len(), level: sheet.level })
 }

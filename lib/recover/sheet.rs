@@ -79,6 +79,17 @@ impl<'a> Sheet<'a> {
         (number % self.evidence.film.width, number / self.evidence.film.width)
     }
 
+    /// The number of the area of each pixel, where as many as `count` lie beside each other, and below each other, in the rectangle that holds all.
+    pub fn areas(&self, count: usize) -> Vec<usize> {
+        let places: Vec<[usize; 2]> = self.numbers.iter().map(|&number| self.place(number).into()).collect();
+        let [columns, rows] = [0, 1].map(|axis| {
+            let of = |place: &[usize; 2]| place[axis];
+            let (first, last) = (places.iter().map(of).min().unwrap_or(0), places.iter().map(of).max().unwrap_or(0));
+            places.iter().map(|place| (place[axis] - first) * count / (last - first + 1)).collect::<Vec<_>>()
+        });
+        rows.iter().zip(columns).map(|(row, column)| row * count + column).collect()
+    }
+
     /// So far apart pixels hold hardly any of the same light, and so of the same noise.
     pub fn spacing(&self) -> usize {
         self.evidence.film.filter.spacing()

@@ -2,11 +2,14 @@
 
 use super::{Scores, add_square, times, total};
 use crate::anneal::linear::Symmetric;
+use crate::recover::misfit::Misfit;
 use crate::recover::sheet::{Alike, COMMON, mean, weight};
 use rayon::prelude::*;
 
 /// The most of a pixel's error that values are taken to follow.
 const MOST_LEVERAGE: f64 = 0.95;
+/// As many areas lie beside each other, and below each other, in what is seen of the unknown.
+const AREAS: usize = 8;
 
 impl Scores<'_> {
     /// Covariances of the values: by all that makes the residuals and by the rounding of the target, and by the noise of the rendering alone.
@@ -85,13 +88,15 @@ impl Scores<'_> {
     }
 
     /// What an error of the picture that is as large a part of each value as [`COMMON`] does to the values, where its signs do most harm:
-    /// its size on the diagonal, and beside it how what it does to two values goes together.
+    /// its size on the diagonal, and beside it how what it does to two values goes together. Of a picture that is explained but for noise, it has one
+    /// sign in each of [`AREAS`]² areas; of another, in each pixel.
     ///
     /// Standard errors take the errors of pixels for independent, so that thousands of pixels can tell a value by changes of a thousandth.
     /// Those of a shape, of a measured light, of the formula of a lobe are not, and no number of pixels averages them out.
-    pub fn common(&self) -> Symmetric {
+    pub fn common(&self, misfit: &Misfit) -> Symmetric {
         let value = |p: usize, c: usize| mean(&self.here.halves, p, c).abs();
-        let (squares, sizes) = self.moved(|p, c| COMMON * value(p, c) * weight(&self.weights.halves, p, c));
+        let error = |p: usize, c: usize| COMMON * value(p, c) * weight(&self.weights.halves, p, c);
+        let (squares, sizes) = if misfit.is_noise() { self.moved_by_areas(error) } else { self.moved(error) };
         let correlations = squares.correlations();
         // What does not move goes together with nothing.
         let together = |i: usize, j: usize| if sizes[i] * sizes[j] > 0.0 { sizes[i] * sizes[j] * correlations.at(i, j) } else { 0.0 };
@@ -149,16 +154,38 @@ impl Scores<'_> {
         let n = self.here.derivatives.len();
         let Some(inverse) = &self.inverse else { return (Symmetric::diagonal(&vec![f64::INFINITY; n]), vec![f64::INFINITY; n]) };
         let sums = total(self.pixels(), n + n * n, &|p, sums| {
-            if self.weights.kept[p] < 1.0 {
-                return;
-            }
-            let (sizes, squares) = sums.split_at_mut(n);
-            for c in 0..3 {
-                let moved = self.pulled(inverse, p, c, error(p, c));
-                sizes.iter_mut().zip(&moved).for_each(|(size, m)| *size += m.abs());
-                add_square(squares, &moved);
+            if self.weights.kept[p] == 1.0 {
+                (0..3).for_each(|c| add(sums, &self.pulled(inverse, p, c, error(p, c))));
             }
         });
-        (Symmetric::of(n, |i, j| sums[n + i * n + j]), sums[..n].to_vec())
+        summed(n, &sums)
     }
+
+    /// The same of errors that have one sign in each area.
+    fn moved_by_areas(&self, error: impl Fn(usize, usize) -> f64 + Sync) -> (Symmetric, Vec<f64>) {
+        let n = self.here.derivatives.len();
+        let Some(inverse) = &self.inverse else { return self.moved(error) };
+        let areas = self.sheet.areas(AREAS);
+        let moved = total(self.pixels(), 3 * AREAS * AREAS * n, &|p, sums| {
+            let channels = sums.chunks_mut(n.max(1)).skip(3 * areas[p]).zip(0..3);
+            for (sums, c) in channels.filter(|_| self.weights.kept[p] == 1.0) {
+                sums.iter_mut().zip(self.pulled(inverse, p, c, error(p, c))).for_each(|(sum, moved)| *sum += moved);
+            }
+        });
+        let mut sums = vec![0.0; n + n * n];
+        moved.chunks(n.max(1)).for_each(|moved| add(&mut sums, moved));
+        summed(n, &sums)
+    }
+}
+
+/// The sums of the products and of the sizes that [`add`] makes of `n` values.
+fn summed(n: usize, sums: &[f64]) -> (Symmetric, Vec<f64>) {
+    (Symmetric::of(n, |i, j| sums[n + i * n + j]), sums[..n].to_vec())
+}
+
+/// Adds by how much each value is moved, and behind those the products of each pair.
+fn add(sums: &mut [f64], moved: &[f64]) {
+    let (sizes, squares) = sums.split_at_mut(moved.len());
+    sizes.iter_mut().zip(moved).for_each(|(size, moved)| *size += moved.abs());
+    add_square(squares, moved);
 }
