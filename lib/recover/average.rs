@@ -86,7 +86,8 @@ fn width(axis: &[f64], at: usize) -> f64 {
 impl Look<'_> {
     /// What was found, and moved `aside` since; averaged, if some of its values are in doubt.
     pub fn averaged(&self, mut found: Recovery, aside: &Way, traced: Traced) -> Recovery {
-        let range = Range { axes: traced.model.doubtful(&found) };
+        // What surely would go beyond a bound is not in doubt: within the bounds there is nothing to average it over.
+        let range = Range { axes: traced.model.doubtful(&found).into_iter().filter(|(slot, _)| !found.pressed[*slot]).collect() };
         if range.axes.is_empty() {
             return found;
         }
