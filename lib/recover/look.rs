@@ -6,7 +6,7 @@ use super::misfit::Misfit;
 use super::scores::{Evaluation, Way, influence, pictures};
 use super::seen::First;
 use super::settle::Settled;
-use super::sheet::{Half, Sheet};
+use super::sheet::{COMMON, Half, Sheet};
 use super::{Effort, Evidence, Recovery, Seeds};
 use crate::anneal::Parameter;
 use crate::anneal::linear::Symmetric;
@@ -54,6 +54,9 @@ pub trait Model: Sync {
 
     /// Whether what was found with a basis lies well inside of where the model can be trusted: if not, it had better be looked at by one around it.
     fn holds(&self, found: &Recovery, basis: &Basis) -> bool;
+
+    /// By which part of itself all light may be off as a basis goes by values that were found to be others since; 0 where that is next to nothing.
+    fn presumed(&self, found: &Recovery, basis: &Basis) -> f64;
 }
 
 /// By how much a round adds to all samples before it, at the least and at the most: errors fall faster than samples grow while the derivatives
@@ -177,11 +180,11 @@ impl Look<'_> {
         let moved = self.blurred(self.moved(moved, drift, traced.model), traced);
         let aside = aside(&found, &moved);
         if self.effort.quick || strayed && (self.another)() {
-            return Looked { aside, held: !strayed, found: moved };
+            return Looked { aside, held: !strayed, found: presuming(moved, traced) };
         }
         let averaged = self.averaged(moved, &aside, traced);
         let last = if averaged.values == found.values { averaged } else { self.again(averaged, traced) };
-        Looked { aside, held: traced.model.holds(&last, traced.basis), found: last }
+        Looked { aside, held: traced.model.holds(&last, traced.basis), found: presuming(last, traced) }
     }
 
     /// Takes the errors of a round for no smaller than a part of those taken before: few more samples make none so much surer but by chance, as where
@@ -258,6 +261,15 @@ impl Look<'_> {
         found.covariance = Symmetric::of(way.len(), |i, j| found.covariance.at(i, j) + covariance.at(i, j));
         found
     }
+}
+
+/// What was found, if no other look follows: errors hold what the basis presumed.
+fn presuming(mut found: Recovery, traced: Traced) -> Recovery {
+    let off = traced.model.presumed(&found, traced.basis) / COMMON;
+    if off > 0.0 {
+        found.covariance = Symmetric::of(found.values.len(), |i, j| found.covariance.at(i, j) + off * off * found.common.at(i, j));
+    }
+    found
 }
 
 /// How far what was found was moved since.

@@ -124,6 +124,10 @@ impl Model for Stage<'_> {
         let inside = |value: f64| value > self.indices[0] && value < self.indices[self.indices.len() - 1];
         self.through.slot().is_none_or(|i| inside(found.values[i])) && self.tells(found)
     }
+
+    fn presumed(&self, _: &Recovery, _: &Basis) -> f64 {
+        0.0
+    }
 }
 
 /// The weights of columns at some depths for what is let through.

@@ -307,8 +307,13 @@ impl Model for Stage<'_> {
             let (a, grid) = (found.values[slot].abs(), &self.grid[axis]);
             a <= SMOOTHEST || a > grid[1] && a < grid[grid.len() - 2]
         };
+        self.axes().all(inside) && self.presumed(found, basis) == 0.0
+    }
+
+    fn presumed(&self, found: &Recovery, basis: &Basis) -> f64 {
         let changed = self.changed(found);
-        self.axes().all(inside) && (changed < ALMOST || changed * self.beyond(&found.values, basis) < ALMOST)
+        let off = if changed < ALMOST { 0.0 } else { changed * self.beyond(&found.values, basis) };
+        if off < ALMOST { 0.0 } else { off }
     }
 }
 
