@@ -164,7 +164,6 @@ fn so_is_a_small_one_that_a_held_value_does_not_explain() {
     }
 }
 
-/// Specularity was 7 standard errors off, and nothing was said of the bound: within so narrow ones not much is determined.
 /// Of a material that a bound keeps a value from, that bound is named, and the errors of all hold the truth.
 fn bounded(material: &str, truth: [f64; 5], bounds: &str, named: &str) {
     let directory = photographed(material, SCENE, "-x 40 -y 40 --spp 300 --seed 5 -ab 1 -o target.exr");
@@ -176,6 +175,7 @@ fn bounded(material: &str, truth: [f64; 5], bounds: &str, named: &str) {
     }
 }
 
+/// Specularity was 7 standard errors off, and nothing was said of the bound: within so narrow ones not much is determined.
 #[test]
 fn a_bound_that_keeps_a_value_from_the_truth_is_named_and_errors_hold_it() {
     for (bounds, named) in [("red=.7:.6:.78", "red is at its upper bound 0.78"), ("spec=.6:.5:.68", "spec is at its upper bound 0.68")] {

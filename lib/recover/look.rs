@@ -263,7 +263,7 @@ impl Look<'_> {
     }
 }
 
-/// What was found, if no other look follows: errors hold what the basis presumed.
+/// What was found, with errors that hold what the basis presumed: there may be no time for another look.
 fn presuming(mut found: Recovery, traced: Traced) -> Recovery {
     let off = traced.model.presumed(&found, traced.basis) / COMMON;
     if off > 0.0 {
