@@ -24,7 +24,6 @@ mod parse;
 mod run;
 mod shipped;
 
-pub use functions::erfc;
 pub use run::Program;
 pub use shipped::shipped;
 

@@ -214,7 +214,7 @@ fn erf(x: f64) -> f64 {
 }
 
 /// The complementary error function: what the other leaves near zero, its continued fraction beyond (the same, equation 7.1.14).
-pub fn erfc(x: f64) -> f64 {
+fn erfc(x: f64) -> f64 {
     if x.is_nan() {
         return x;
     }
