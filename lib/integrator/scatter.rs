@@ -384,7 +384,7 @@ impl<B: Clone> Integrator<'_, B> {
         self.shadow(transport, vertex, beta, (direction, f64::INFINITY), Emitter::Environment);
     }
 
-    /// Sends a shadow ray in a direction, to something at a distance. Where nothing is transparent it is settled at once.
+    /// Sends a shadow ray in a direction, to something at a distance, and follows it at once, as far as the first surface.
     fn shadow<T: Transport<Beta = B>>(
         &mut self,
         transport: &mut T,
@@ -401,7 +401,8 @@ impl<B: Clone> Integrator<'_, B> {
         let path = Path { ray, sampler: vertex.sampler, exact: vertex.exact, aim: Some(aim), kind: Kind::Shadow, ..*at };
         let path = if direction.dot(vertex.layer.point.geometric) < 0.0 { self.beyond(path, vertex.layer) } else { path.free() };
         if T::WATCHES || self.world.transparent() || distance < f64::INFINITY || path.limit < f64::INFINITY {
-            self.stack.push(Segment { path, beta });
+            let hit = self.world.nearest(&path.ray, path.limit);
+            self.arrive(transport, &path, beta, hit.as_ref());
         } else if !self.world.occluded(&path.ray) {
             self.escape(transport, &path, beta);
         }

@@ -15,6 +15,7 @@ use crate::rules::Rules;
 use crate::scene::MaterialId;
 use crate::vector::Vec3;
 use crate::world::Layer;
+use std::cell::OnceCell;
 use std::f64::consts::PI;
 use wide::f32x8;
 
@@ -164,8 +165,8 @@ pub(super) enum Surface<'a, const L: usize> {
     Unknown { shape: Bsdf, pattern: Rgb, unknown: &'a Rough, polish: Option<Box<Polish>>, repeated: Repeated<L>, drawn: Drawn<L> },
 }
 
-/// How many times as dense as the lobe of each node the [`Rules::single`] samples of it are, where those gather indirect light.
-type Repeated<const L: usize> = Option<Box<Nodes<L>>>;
+/// How many times as dense as the lobe of each node the [`Rules::single`] samples of it are, where those gather indirect light; found when it is asked.
+type Repeated<const L: usize> = Option<OnceCell<Box<Nodes<L>>>>;
 
 /// What is special where the unknown is polished.
 pub(super) struct Polish {
@@ -229,7 +230,10 @@ impl<const L: usize> Tagging<'_, L> {
     ) -> (Nodes<L>, f64) {
         let density = lobe::density_beside_gaussian(shape.viewer() + wi);
         let nodes = match repeated {
-            Some(repeated) if arriving == Arriving::Indirect => std::array::from_fn(|l| nodes[l] * repeated[l] * density as f32),
+            Some(repeated) if arriving == Arriving::Indirect => {
+                let repeated = repeated.get_or_init(|| Box::new(self.unknown.at_nodes(|alpha| shape.repeated(alpha))));
+                std::array::from_fn(|l| nodes[l] * repeated[l] * density as f32)
+            }
             _ => {
                 let tilt = if arriving == Arriving::Indirect { shape.tilt(wi) } else { 1.0 };
                 let scale = (tilt * lobe::beside_gaussian(self.rules.lobe, shape.viewer(), wi)) as f32;
@@ -316,7 +320,7 @@ impl<'a, const L: usize> Transport for Tagging<'a, L> {
         let shape = layer.bsdf(rules);
         let polish = self.unknown.mirror.is_some().then(|| Box::new(self.unknown.polish(&shape, &layer.point, rules)));
         // What is polished has no lobes.
-        let repeated = (rules.single() && polish.is_none()).then(|| Box::new(self.unknown.at_nodes(|alpha| shape.repeated(alpha))));
+        let repeated = (rules.single() && polish.is_none()).then(OnceCell::new);
         Surface::Unknown { shape, pattern: layer.pattern, unknown: self.unknown, polish, repeated, drawn: Drawn::NONE }
     }
 
