@@ -38,3 +38,16 @@ fn what_is_less_than_a_step_may_be_nothing() {
     assert!(red.0 < 2.0 * red.1 && green.0 < 2.0 * green.1 && green.1 < 0.003, "{red:?} {green:?}");
     assert!((blue.0 - 0.8).abs() < 3.0 * blue.1, "{blue:?}");
 }
+
+/// In light that is the same from everywhere all pixels are, too: what noise the rendering has did not make the file err to both sides.
+#[test]
+fn pixels_that_are_alike_were_not_dithered() {
+    let even = "void glow sky 0 0 4 1 1 1 0\nsky source all 0 0 4 0 0 1 360\nit sphere ball 0 0 4 0 0 0 1\n";
+    let rules = "-ss 1 -ab 2 -lr 10";
+    let directory = photographed("metal it 0 0 5 .8 .6 .4 .8 .2", even, &format!("-x 48 -y 48 --spp 64 {rules} -o target.hdr"));
+    let out = recovered(directory.path(), &format!("{rules} --seed 3 --scene scene.rad --target target.hdr start.rad"));
+    for (name, truth) in [("red", 0.8), ("green", 0.6), ("blue", 0.4)] {
+        let (value, error) = said(&out, name);
+        assert!((value - truth).abs() < 2.0 * error, "{name}: {value} ± {error}");
+    }
+}

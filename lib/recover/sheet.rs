@@ -110,6 +110,17 @@ impl<'a> Sheet<'a> {
         film.around(self.numbers[i], 1).map(bright).fold(0.0, f64::max)
     }
 
+    /// The variance of a channel of the photograph in a pixel and those about it.
+    fn scatter(&self, i: usize, c: usize) -> f64 {
+        let Evidence { film, target, .. } = self.evidence;
+        let sums = film.around(self.numbers[i], 2).fold([0.0; 3], |[count, sum, squares], n| {
+            let value = f64::from(target.pixels[n][c]);
+            [count + 1.0, sum + value, squares + value * value]
+        });
+        let [mean, square] = [sums[1], sums[2]].map(|sum| sum / sums[0]);
+        (square - mean * mean).max(0.0)
+    }
+
     /// How much a pixel counts.
     pub fn weight(&self, i: usize) -> f64 {
         self.evidence.mask.map_or(1.0, |mask| mask[self.numbers[i]] as f64)
@@ -266,7 +277,9 @@ impl<'a> Sheet<'a> {
         }
         let deviation = |i: usize, c: usize| {
             let step = self.step(i, c);
-            let (square, noise) = (step * step / 12.0, mean(variances, i, c) / photographed);
+            // Noise that does so makes values beside each other differ.
+            let noise = (mean(variances, i, c) / photographed).min(self.scatter(i, c));
+            let square = step * step / 12.0;
             let both_sides = -2.0 * (PI / step).powi(2) * (noise - square).max(0.0);
             if step > 0.0 { (square.sqrt() * both_sides.exp()) as f32 } else { 0.0 }
         };
