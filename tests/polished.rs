@@ -70,3 +70,17 @@ fn a_mirror_of_sharp_edges_is_no_narrow_lobe() {
         assert_eq!(said(&out, "rough").0 > 0.001, rough > 0.001);
     }
 }
+
+/// Most pixels lack the light of a sun that few samples found, a few hold it all: a mirror comes nearest to that, of which 0 ± .005 was said.
+#[test]
+fn a_sun_that_few_samples_found_makes_no_mirror() {
+    let scene = "void brightfunc day 2 1+.5*sin(5*Dx)*Dz+20000*if(Dx*.6-Dy*.64+Dz*.48-.9998,1,0) . 0 0\nday glow sky 0 0 4 1 1 1 0\n\
+                 sky source all 0 0 4 0 0 1 360\nit sphere s 0 0 4 0 0 0 1\n";
+    let directory = photographed("metal it 0 0 5 .8 .8 .8 .9 .15", scene, "-x 48 -y 48 --spp 16 -ss 1 -ab 1 -o target.exr");
+    let out = recovered(directory.path(), "-ab 1 --scene scene.rad --target target.exr start.rad");
+    assert!(out.contains("warning: single pixels hold"), "{out}");
+    for (name, truth) in [("red", 0.8), ("spec", 0.9), ("rough", 0.15)] {
+        let (value, error) = said(&out, name);
+        assert!((value - truth).abs() < 3.0 * error, "{name} {value} ± {error}, not {truth}");
+    }
+}
