@@ -205,6 +205,15 @@ mod tests {
         assert!((transmission_pdf([0.01; 2], straight, straight) - 100.0 / (0.8 * PI)).abs() < 1e-9);
     }
 
+    /// Abramowitz and Stegun 1964, table 26.1.
+    #[test]
+    fn so_much_of_a_normal_distribution_lies_below() {
+        for (x, below) in [(0.0f64, 0.5), (1.0, 0.841_344_746), (2.0, 0.977_249_868), (-1.0, 0.158_655_254), (-3.0, 0.001_349_898)] {
+            let density = (-0.5 * x * x).exp() / (2.0 * PI).sqrt();
+            assert!((normal_below(x, density) - below).abs() < 1e-7, "{x}");
+        }
+    }
+
     /// Against counting on a grid of 400 × 400 directions.
     #[test]
     fn so_many_directions_lie_above_a_surface() {
