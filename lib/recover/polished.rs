@@ -119,11 +119,9 @@ impl Mirror {
                 let smooth = perhaps && roughness.max(error) <= ROUGH && !faint(kind, unknown, found);
                 // Where trans that is rough does not explain the picture, its shadows may not be those of one that is.
                 let likely = smooth || kind.transmits && !found.explained();
+                let open = || judge(unknown, &found.values, &found.known()).standings[slot] == Standing::Open;
                 // A mirror may be nearer to a picture whose single pixels hold the light of a sun, as whatever is smoother is.
-                let any = || {
-                    let open = || judge(unknown, &found.values, &found.known()).standings[slot] == Standing::Open;
-                    found.misfit.singles == 0.0 && (perhaps || open())
-                };
+                let any = || found.misfit.singles == 0.0 && (perhaps || open());
                 let alone = slots.iter().filter(|s| **s == Some(slot)).count() == 1;
                 if !alone || unknown.bounds()[slot].0 > PURE || !likely && !any() {
                     return None;
