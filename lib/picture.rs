@@ -92,6 +92,9 @@ const TONED: [(&[u8], &str); 7] = [
     (b"MM\0*", "TIFF"),
 ];
 
+/// How those of bare floats begin, in colour and in grey.
+const FLOATS: [&[u8]; 2] = [b"PF\n", b"Pf\n"];
+
 impl Header {
     /// The header of a picture that `command` makes. The date is left out: the same command gives the same bytes.
     pub fn new(command: &str) -> Self {
@@ -205,6 +208,9 @@ impl Picture {
         if let Some((_, kind)) = TONED.iter().find(|(begin, _)| bytes.starts_with(begin)) {
             let remedy = "give a RADIANCE picture or OpenEXR, as raw files and series of exposures make them";
             return Err(Error::new(format!("{name}: a {kind} file is made for the eye and holds no radiance; {remedy}")));
+        }
+        if FLOATS.iter().any(|begin| bytes.starts_with(begin)) {
+            return Err(Error::new(format!("{name}: a PFM file is not read; make a RADIANCE picture or OpenEXR of it")));
         }
         hdr::read(bytes, name)
     }

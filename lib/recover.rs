@@ -12,6 +12,7 @@ pub mod dead;
 pub mod doubts;
 mod drift;
 mod enough;
+mod farther;
 mod fit;
 mod foresight;
 mod gram;
@@ -233,17 +234,17 @@ impl Recovery {
 
     /// By how many standard errors the pixels that both have seen are farther off than in another.
     fn excess(&self, other: &Self) -> f64 {
-        scores::farther_off(&self.losses, &other.losses)
+        farther::farther_off(&self.losses, &other.losses)
     }
 
-    /// The same without the pixel that speaks most against that.
-    fn excess_but_one(&self, other: &Self) -> f64 {
-        scores::farther_off_but_one(&self.losses, &other.losses)
+    /// The same by all pixels alike.
+    fn excess_alike(&self, other: &Self) -> f64 {
+        farther::farther_off_alike(&self.losses, &other.losses)
     }
 
     /// How far all its pixels are off.
     fn loss(&self) -> f64 {
-        self.losses.iter().map(|(_, loss)| scores::counted(*loss)).sum()
+        self.losses.iter().map(|(_, loss)| farther::counted(*loss)).sum()
     }
 
     /// What is known of the errors of the values.

@@ -175,6 +175,7 @@ fn what_is_no_picture_is_refused_with_a_reason() {
         error(b"\x89PNG\r\n\x1a\n").starts_with("test.hdr: a PNG file is made for the eye and holds no radiance; give a RADIANCE picture")
     );
     assert_eq!(error(b"\x89NIX\r\n"), "test.hdr: neither a RADIANCE picture nor OpenEXR");
+    assert_eq!(error(b"PF\n1 1\n-1.0\n"), "test.hdr: a PFM file is not read; make a RADIANCE picture or OpenEXR of it");
     assert_eq!(error(b"#?RADIANCE\nFORMAT="), "test.hdr: the file ends in its header; is it a RADIANCE picture?");
     assert_eq!(error(&[b'a'; 1 << 17]), "test.hdr: no end of the header within 64 KiB; is it a RADIANCE picture?");
     assert!(error(&file("FORMAT=Radiance_spectra\n", "-Y 1 +X 1", &pixel)).contains("spectral"));

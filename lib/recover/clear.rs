@@ -94,7 +94,7 @@ fn looked(through: &Through, pixels: &[usize], effort: Effort, tell: &dyn Fn(&st
         tell(&format!("look {look}"));
         let mut stage = Stage::new(through, close(through, through.index(&best), aside));
         let another = || look < MOST_LOOKS && effort.affords_another(begin, look);
-        let closer = Look { evidence, pixels, parameters, bounds: &bounds, effort: &effort, another: &another };
+        let closer = Look { evidence, pixels, parameters, bounds: &bounds, effort: &effort, another: &another, enough: &|_| false };
         let Looked { found, held, .. } = closer.at(&mut stage, &best, &mut seeds);
         let Some(i) = slot.filter(|_| !held && found.amiss().is_none()) else { return Ok(found) };
         let open = found.errors()[i] > aside && aside < WIDEST;

@@ -47,7 +47,7 @@ pub fn dead(evidence: &Evidence, world: &World, found: &Recovery, black: Vec<usi
 }
 
 /// The middle one of some numbers.
-fn median(numbers: impl Iterator<Item = f64>) -> Option<f64> {
+pub fn median(numbers: impl Iterator<Item = f64>) -> Option<f64> {
     let mut numbers: Vec<f64> = numbers.collect();
     numbers.sort_by(f64::total_cmp);
     numbers.get(numbers.len() / 2).copied()

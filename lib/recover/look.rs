@@ -126,6 +126,8 @@ pub struct Look<'a> {
     pub effort: &'a Effort<'a>,
     /// Whether there is time for another look, if this one strays.
     pub another: &'a (dyn Fn() -> bool + Sync),
+    /// Whether what two rounds or more found is enough, as it seems to be what another model is of.
+    pub enough: &'a (dyn Fn(&Recovery) -> bool + Sync),
 }
 
 impl Look<'_> {
@@ -160,7 +162,7 @@ impl Look<'_> {
             let wanted = self.effort.more(self.parameters, found, seen.counts(), seen.each, seen.foreseen());
             let wanted = wanted.or_else(|| (round == 1 && seen.again()).then_some(More::Samples(2.0)));
             let go_on = !strayed && round < ROUNDS && !self.effort.quick && most >= GROWTH.0;
-            let Some(more) = wanted.filter(|_| go_on) else {
+            let Some(more) = wanted.filter(|_| go_on && !(round > 1 && (self.enough)(found))) else {
                 let share = drifts.then_some(time.min(PICTURES)).filter(|share| *share > LATE);
                 return self.last(fit, strayed, traced, share, seeds);
             };

@@ -18,8 +18,9 @@ const SURE: f64 = 3.0;
 const ROUGH: f64 = 0.02;
 
 /// By how many standard errors pixels must be farther from a mirror than from a lobe that seems smooth, which has a roughness more to fit them with,
-/// for it to be none; and nearer to it than to a lobe that may be of any roughness for it to be one.
+/// for it to be none; and nearer to it than to a lobe that may be of any roughness for it to be one. From three times that on there is no doubt of a lobe.
 const FARTHER: f64 = 1.0;
+const FAR: f64 = 3.0 * FARTHER;
 
 /// The roughness at which what moves that of a mirror is judged before there is a picture.
 pub const NEARLY: f64 = ROUGH;
@@ -53,8 +54,12 @@ pub fn recover(sought: &Sought, effort: Effort, tell: &dyn Fn(&str)) -> Result<R
     let [rough, smooth] = worlds.map(|world| Evidence { world, ..*sought.evidence });
     let sought = &Sought { evidence: &rough, ..*sought };
     let open = |found: &Recovery| Mirror::of(sought.unknown, sought.kind, found);
-    let found = rough::recover(sought, effort, &|found| open(found).is_some_and(|mirror| mirror.likely), tell)?;
-    let Some(Mirror { unknown, slot, likely }) = open(&found).filter(|_| !effort.late()) else { return Ok(found) };
+    let seems = |found: &Recovery| open(found).is_some_and(|mirror| mirror.seems);
+    // What was found to be one by pixels that are blurred otherwise is glanced at.
+    let polished = |values: &&[f64]| sought.unknown.reals(values)[ROUGHNESS].abs() <= PURE;
+    let again = effort.around.filter(polished).map(|around| sought.glance(effort, around)).filter(seems);
+    let found = again.map_or_else(|| rough::recover(sought, effort, &seems, tell), Ok)?;
+    let Some(Mirror { unknown, slot, likely, seems }) = open(&found).filter(|_| !effort.late()) else { return Ok(found) };
     tell("polished");
     let mut near = found.values.clone();
     if let Some(slot) = slot {
@@ -66,18 +71,17 @@ pub fn recover(sought: &Sought, effort: Effort, tell: &dyn Fn(&str)) -> Result<R
     // a quick look has.
     let lobe = if effort.quick { found.clone() } else { sought.glance(effort, &found.values) };
     let seen = mirror.glance(effort, &near);
-    let excess = seen.excess_but_one(&lobe);
+    let excess = seen.excess_alike(&lobe);
+    let rough = |mirror: Recovery| match slot {
+        Some(slot) => with_roughness(mirror, slot, sought.unknown.bounds()[slot].0, &lobe, excess),
+        None => mirror,
+    };
     if excess < if likely { FARTHER } else { -FARTHER } {
-        let rough = |mirror: Recovery, slot: usize| with_roughness(mirror, slot, sought.unknown.bounds()[slot].0, &lobe, excess);
-        let whole = |mirror: Recovery| match slot {
-            Some(slot) if likely => rough(mirror, slot),
-            Some(slot) => or_else(rough(mirror, slot), &found, excess),
-            None => mirror,
-        };
+        let whole = |mirror: Recovery| if likely { rough(mirror) } else { or_else(rough(mirror), &found, odds(excess)) };
         let told = |found: &Recovery| (effort.told)(&whole(found.clone()));
         // Light that meets it more often than products tell is that of the values it is looked at with, which those of a lobe are not: of a ball that
         // light goes through, colours came out .3 to .8 % too bright, which tells no type from another.
-        let looked = if effort.quick { seen } else { mirror.look(Effort { told: &told, ..effort }, &seen.values) };
+        let looked = if effort.quick { seen.clone() } else { mirror.look(Effort { told: &told, ..effort }, &seen.values) };
         // Where in a mirror a small light is seen few samples of a pixel tell.
         let looked = Recovery { misfit: Misfit { singles: 0.0, ..looked.misfit }, ..looked };
         // One that mirrors as little as it can may be one that does not.
@@ -86,11 +90,11 @@ pub fn recover(sought: &Sought, effort: Effort, tell: &dyn Fn(&str)) -> Result<R
             return Ok(whole(looked));
         }
     }
-    if !likely {
+    if !seems {
         return Ok(found);
     }
-    let effort = Effort { around: Some(&lobe.values), ..effort };
-    rough::recover(sought, effort, &|_| false, tell)
+    let found = rough::recover(sought, Effort { around: Some(&lobe.values), ..effort }, &|_| false, tell)?;
+    Ok(if (FARTHER..FAR).contains(&excess) { or_else(found, &rough(seen), odds(-excess)) } else { found })
 }
 
 /// An unknown as one that is polished.
@@ -101,6 +105,8 @@ pub struct Mirror {
     pub slot: Option<usize>,
     /// Whether it may well be so: else what was found of the roughness only leaves it open.
     likely: bool,
+    /// Whether that, or what no lobe explains, is worth a glance before more is known.
+    seems: bool,
 }
 
 impl Mirror {
@@ -111,8 +117,8 @@ impl Mirror {
         }
         let slots = unknown.slots();
         let roughness = unknown.reals(&found.values)[ROUGHNESS].abs();
-        let (mirror, likely) = match slots[ROUGHNESS] {
-            None => ((roughness <= PURE).then(|| unknown.clone())?, true),
+        let (mirror, likely, seems) = match slots[ROUGHNESS] {
+            None => ((roughness <= PURE).then(|| unknown.clone())?, true, true),
             Some(slot) => {
                 let error = found.errors()[slot];
                 let perhaps = roughness - SURE * error <= SMOOTHEST;
@@ -120,16 +126,19 @@ impl Mirror {
                 // Where trans that is rough does not explain the picture, its shadows may not be those of one that is.
                 let likely = smooth || kind.transmits && !found.explained();
                 let open = || judge(unknown, &found.values, &found.known()).standings[slot] == Standing::Open;
+                // What no lobe explains may be a mirror that highlights, few pixels, have taken for one: as small a roughness as that is none it has.
+                let unlike = roughness <= ROUGH && found.misfit.off() > 0.0;
                 // A mirror may be nearer to a picture whose single pixels hold the light of a sun, as whatever is smoother is.
-                let any = || found.misfit.singles == 0.0 && (perhaps || open());
+                let few = found.misfit.singles > 0.0;
+                let seems = likely || unlike && !few;
                 let alone = slots.iter().filter(|s| **s == Some(slot)).count() == 1;
-                if !alone || unknown.bounds()[slot].0 > PURE || !likely && !any() {
+                if !alone || unknown.bounds()[slot].0 > PURE || !seems && (few || !perhaps && !open()) {
                     return None;
                 }
-                (unknown.knowing(slot, 0.0)?, likely)
+                (unknown.knowing(slot, 0.0)?, likely, seems)
             }
         };
-        Some(Self { unknown: mirroring(mirror)?, slot: slots[ROUGHNESS], likely })
+        Some(Self { unknown: mirroring(mirror)?, slot: slots[ROUGHNESS], likely, seems })
     }
 
     /// The unknown so, if that is how it starts.
@@ -139,7 +148,7 @@ impl Mirror {
         }
         let slot = unknown.slots()[ROUGHNESS];
         let mirror = slot.map_or_else(|| Some(unknown.clone()), |slot| unknown.knowing(slot, 0.0))?;
-        Some(Self { unknown: mirroring(mirror)?, slot, likely: true })
+        Some(Self { unknown: mirroring(mirror)?, slot, likely: true, seems: true })
     }
 }
 
@@ -167,19 +176,19 @@ pub fn smoothed(roughness: f64, variance: f64) -> f64 {
     variance.min(2.0 * roughness * variance.sqrt())
 }
 
-/// The odds of a lobe where pixels are by `excess` standard errors farther from a mirror.
+/// The odds of a lobe where pixels are by `excess` standard errors farther from a mirror, and of a mirror where they are so much farther from a lobe.
 fn odds(excess: f64) -> f64 {
     (-0.5 * excess.min(0.0).powi(2)).exp()
 }
 
-/// What was found of a mirror, its errors holding that it may be a lobe instead that is quite another one.
-fn or_else(mirror: Recovery, lobe: &Recovery, excess: f64) -> Recovery {
-    let away: Vec<f64> = mirror.values.iter().zip(&lobe.values).map(|(mirror, lobe)| lobe - mirror).collect();
-    let part = odds(excess) / (1.0 + odds(excess));
-    // A lobe that cannot be may have errors without end.
-    let held = |i: usize, j: usize| if part > 0.0 { part * (lobe.covariance.at(i, j) + away[i] * away[j]) } else { 0.0 };
-    let covariance = Symmetric::of(away.len(), |i, j| (1.0 - part) * mirror.covariance.at(i, j) + held(i, j));
-    Recovery { covariance, ..mirror }
+/// What was found, its errors holding that it may be another by these odds: quite another one, where a lobe was taken for a mirror.
+fn or_else(found: Recovery, other: &Recovery, odds: f64) -> Recovery {
+    let away: Vec<f64> = found.values.iter().zip(&other.values).map(|(one, other)| other - one).collect();
+    let part = odds / (1.0 + odds);
+    // What cannot be may have errors without end.
+    let held = |i: usize, j: usize| if part > 0.0 { part * (other.covariance.at(i, j) + away[i] * away[j]) } else { 0.0 };
+    let covariance = Symmetric::of(away.len(), |i, j| (1.0 - part) * found.covariance.at(i, j) + held(i, j));
+    Recovery { covariance, ..found }
 }
 
 /// What was found of a mirror, with a roughness among its values, the `least` there may be: any up to [`PURE`], or that of the lobe, as likely as

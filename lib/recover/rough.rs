@@ -24,7 +24,8 @@ const FIRST_PIXELS: usize = 640;
 const FIRST_SAMPLES: [u32; 2] = [16, 64];
 
 /// Where what a closer look sees does not hold all that a roughness may be, all roughnesses are looked at once more: the most pixels, and the samples of
-/// all of them in each half, where the derivatives are mostly noise and where there is next to nothing specular; and the most of each.
+/// all of them in each half, where the derivatives are mostly noise, and where there is next to nothing specular or single pixels hold the light of it;
+/// and the most of each.
 const LAST_PIXELS: usize = 2000;
 const LAST_SAMPLES: [usize; 2] = [400_000, 100_000];
 const LAST_OF_PIXEL: usize = 1500;
@@ -66,7 +67,8 @@ impl Sought<'_> {
         let Self { evidence, unknown, pixels, .. } = *self;
         let mut stage = Stage::near(self, near);
         let bounds = unknown.bounds();
-        let look = Look { evidence, pixels, parameters: unknown.parameters(), bounds: &bounds, effort: &effort, another: &|| false };
+        let parameters = unknown.parameters();
+        let look = Look { evidence, pixels, parameters, bounds: &bounds, effort: &effort, another: &|| false, enough: &|_| false };
         look.at(&mut stage, near, &mut Seeds::new(effort.seed)).found
     }
 
@@ -76,8 +78,8 @@ impl Sought<'_> {
     }
 }
 
-/// Recovers the numbers; no further than to a look that finds what is `enough`.
-pub fn recover(sought: &Sought, effort: Effort, enough: &dyn Fn(&Recovery) -> bool, tell: &dyn Fn(&str)) -> Result<Recovery> {
+/// Recovers the numbers; no further than to rounds that find what is `enough`.
+pub fn recover(sought: &Sought, effort: Effort, enough: &(dyn Fn(&Recovery) -> bool + Sync), tell: &dyn Fn(&str)) -> Result<Recovery> {
     let Sought { evidence, unknown, pixels, .. } = *sought;
     let (parameters, bounds, mut seeds) = (unknown.parameters(), unknown.bounds(), Seeds::new(effort.seed));
     let order = scattered(pixels, evidence.film.width);
@@ -96,7 +98,7 @@ pub fn recover(sought: &Sought, effort: Effort, enough: &dyn Fn(&Recovery) -> bo
         let mut stage = Stage::near(sought, &best);
         let late = || !effort.affords_another(begin, look);
         let another = || look < MOST_LOOKS && !late();
-        let closer = Look { evidence, pixels, parameters, bounds: &bounds, effort: &effort, another: &another };
+        let closer = Look { evidence, pixels, parameters, bounds: &bounds, effort: &effort, another: &another, enough };
         let looked = closer.at(&mut stage, &best, &mut seeds);
         let found = &looked.found;
         if late() || found.amiss().is_some() || enough(found) {
@@ -113,11 +115,11 @@ pub fn recover(sought: &Sought, effort: Effort, enough: &dyn Fn(&Recovery) -> bo
             return Ok(looked.found);
         }
         tell("last look");
-        let faint = faint(sought.kind, unknown, found);
+        let little = faint(sought.kind, unknown, found) || found.misfit.singles > 0.0;
         let sheet = some(evidence, &order, LAST_PIXELS);
         let mut stage = Stage::wide(sought);
         stage.know(&found.values, true);
-        let samples = (LAST_SAMPLES[faint as usize] / sheet.numbers.len()).min(LAST_OF_PIXEL);
+        let samples = (LAST_SAMPLES[little as usize] / sheet.numbers.len()).min(LAST_OF_PIXEL);
         let basis = traced_in_time(&stage, sheet.numbers, samples as u32, (effort.until)(), seeds.next());
         let traced = Traced { sheet: &sheet, model: &stage, basis: &basis };
         return Ok(closer.averaged(looked.found, &looked.aside, traced));

@@ -2,13 +2,13 @@
 
 mod covariance;
 
+use super::farther::in_standard_errors;
 use super::sheet::{Channels, Half, Sheet, Weights, mean, weight};
 use super::total::total;
 use crate::anneal::anywhere;
 use crate::anneal::linear::Symmetric;
 use crate::transport::{Basis, Mixture};
 use rayon::prelude::*;
-use std::collections::HashMap;
 
 /// The pictures that each set of a basis makes of some coefficients, for each of them. A pixel is read once for all.
 pub fn pictures(basis: &Basis, coefficients: &[[Vec<f64>; 3]]) -> Vec<Vec<Half>> {
@@ -391,34 +391,6 @@ const PRESSED: f64 = 3.0;
 /// their squares is twice their product then.
 const AGREED: f64 = 2.0 / 3.0;
 
-/// By how many standard errors pixels, by their numbers, are farther off in one row than in another, as far as they are in both.
-pub fn farther_off(here: &[(usize, f64)], there: &[(usize, f64)]) -> f64 {
-    in_standard_errors(farther_by(here, there))
-}
-
-/// The same without the pixel that speaks most against it, which may be one of the few that see a lamp by the way.
-pub fn farther_off_but_one(here: &[(usize, f64)], there: &[(usize, f64)]) -> f64 {
-    let least = farther_by(here, there).enumerate().min_by(|(_, a), (_, b)| a.total_cmp(b)).map(|(i, _)| i);
-    in_standard_errors(farther_by(here, there).enumerate().filter(|(i, _)| Some(*i) != least).map(|(_, d)| d))
-}
-
-/// By how much more each pixel is off.
-fn farther_by(here: &[(usize, f64)], there: &[(usize, f64)]) -> impl Iterator<Item = f64> {
-    let there: HashMap<usize, f64> = there.iter().copied().collect();
-    here.iter().filter_map(move |(n, loss)| Some(counted(*loss) - counted(*there.get(n)?)))
-}
-
-/// What a pixel counts for that is off by so much: no more than one that is off by as much as it is bright.
-pub fn counted(loss: f64) -> f64 {
-    loss.clamp(-1.0, 1.0)
-}
-
-/// The sum of independent differences in terms of its standard error, if their mean is next to nothing.
-fn in_standard_errors(differences: impl Iterator<Item = f64>) -> f64 {
-    let (sum, squares) = differences.fold((0.0, 0.0), |(sum, squares), d| (sum + d, squares + d * d));
-    sum / f64::sqrt(squares).max(f64::MIN_POSITIVE)
-}
-
 /// The largest part of a step, in terms of what each value may err by.
 fn length(step: &[f64], errors: &[f64]) -> f64 {
     step.iter().zip(errors).map(|(s, e)| s.abs() / e.max(1e-12)).fold(0.0, f64::max)
@@ -478,17 +450,5 @@ mod tests {
         let [all, part] = reached(&inverse, &slopes)[..] else { panic!() };
         assert!((all - 1.0).abs() < 1e-12 && (part - (1.0 - 0.99f64.powi(24))).abs() < 1e-12, "{all} {part}");
         assert_eq!(reached(&[vec![0.0]], &[vec![4.0]]), [LEAST_REACHED]);
-    }
-
-    #[test]
-    fn pixels_are_compared_with_themselves() {
-        let here = [(7, 0.4), (2, 0.1), (5, 30.0)];
-        assert_eq!(farther_off(&here, &[(5, 2.0), (2, 0.1), (9, 0.0), (7, 0.4)]), 0.0);
-        assert!((farther_off(&here, &[(1, 0.0), (7, 0.1), (2, -0.2)]) - 2f64.sqrt()).abs() < 1e-12);
-        assert_eq!(farther_off(&here, &[(1, 0.0)]), 0.0);
-        // One pixel hides that all others are farther off.
-        let (others, one) = ((0..9).map(|n| (n, 0.1)), [(9, 0.0)]);
-        let (here, there): (Vec<_>, Vec<_>) = (others.chain(one).collect(), (0..10).map(|n| (n, if n == 9 { 0.9 } else { 0.0 })).collect());
-        assert!(farther_off(&here, &there).abs() < 1e-12 && (farther_off_but_one(&here, &there) - 3.0).abs() < 1e-12);
     }
 }
