@@ -330,7 +330,7 @@ fn remedy(unknown: &Unknown, values: &[f64], i: usize) -> &'static str {
     let spec = unknown.material().type_of().and_then(|t| t.parameter("spec")).map(|at| unknown.reals(values)[at]);
     match parameters[i].name.as_str() {
         name if ROUGHNESSES.contains(&name) && spec.is_some_and(|spec| spec < DULL) => {
-            "there is hardly any specular reflection to tell it by"
+            "hardly any specular reflection is found to tell it by"
         }
         name if name == "spec" || ROUGHNESSES.contains(&name) => {
             "a small lamp whose highlight the camera sees, or other light with sharp edges, would tell"

@@ -126,7 +126,7 @@ impl Mirror {
                 // Where trans that is rough does not explain the picture, its shadows may not be those of one that is.
                 let likely = smooth || kind.transmits && !found.explained();
                 let open = || judge(unknown, &found.values, &found.known()).standings[slot] == Standing::Open;
-                // What no lobe explains may be a mirror that highlights, few pixels, have taken for one: as small a roughness as that is none it has.
+                // What no lobe explains may be a mirror that a few bright pixels made a narrow one of.
                 let unlike = roughness <= ROUGH && found.misfit.off() > 0.0;
                 // A mirror may be nearer to a picture whose single pixels hold the light of a sun, as whatever is smoother is.
                 let few = found.misfit.singles > 0.0;
