@@ -18,6 +18,7 @@ mod foresight;
 mod gram;
 pub mod inside_out;
 mod look;
+mod median;
 pub mod misfit;
 pub mod model;
 mod polished;

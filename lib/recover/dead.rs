@@ -1,5 +1,6 @@
 //! Where a picture is black though there is light.
 
+use super::median::median;
 use super::{Evidence, Recovery};
 use crate::color::bright;
 use crate::picture::place;
@@ -44,13 +45,6 @@ pub fn dead(evidence: &Evidence, world: &World, found: &Recovery, black: Vec<usi
     let errors = rendering.variances(black.len()).into_iter().map(|variance| bright(variance.map(f64::sqrt)));
     let surely = rendering.pixels.iter().zip(errors).map(|(pixel, error)| bright(pixel.mean()) > SURE * error);
     black.into_iter().zip(surely).filter_map(|(n, surely)| surely.then_some(n)).collect()
-}
-
-/// The middle one of some numbers.
-pub fn median(numbers: impl Iterator<Item = f64>) -> Option<f64> {
-    let mut numbers: Vec<f64> = numbers.collect();
-    numbers.sort_by(f64::total_cmp);
-    numbers.get(numbers.len() / 2).copied()
 }
 
 /// What is to be said of them in a picture so wide, if there are any: whether they could be left out yet.

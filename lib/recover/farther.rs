@@ -1,6 +1,6 @@
 //! Which of two that were found explains the pixels better, and how sure that is.
 
-use super::dead::median;
+use super::median::median;
 use std::collections::HashMap;
 
 /// By how many standard errors pixels, by their numbers, are farther off in one row than in another, as far as they are in both.

@@ -38,26 +38,27 @@ pub fn otherwise(unknown: &Unknown) -> Option<Vec<f64>> {
     let slot = unknown.slots()[ROUGHNESS]?;
     let mut values: Vec<f64> = unknown.bounds().iter().map(|(low, high)| 0.5 * (low + high)).collect();
     let (low, high) = unknown.bounds()[slot];
-    values[slot] = if starts_polished(unknown) { high } else { 0.0 };
+    values[slot] = if is_polished(unknown, &unknown.start()) { high } else { 0.0 };
     (low <= PURE && high > PURE).then(|| unknown.reals(&values))
 }
 
-fn starts_polished(unknown: &Unknown) -> bool {
-    unknown.reals(&unknown.start())[ROUGHNESS].abs() <= PURE
+/// Whether the unknown is polished, its parameters having these values.
+fn is_polished(unknown: &Unknown, values: &[f64]) -> bool {
+    unknown.reals(values)[ROUGHNESS].abs() <= PURE
 }
 
 /// Recovers the numbers of plastic, metal, trans and their anisotropic kin, polished or not.
 pub fn recover(sought: &Sought, effort: Effort, tell: &dyn Fn(&str)) -> Result<Recovery> {
     let Evidence { world, otherwise, .. } = *sought.evidence;
     let other = otherwise.unwrap_or(world);
-    let worlds = if starts_polished(sought.unknown) { [other, world] } else { [world, other] };
+    let worlds = if is_polished(sought.unknown, &sought.unknown.start()) { [other, world] } else { [world, other] };
     let [rough, smooth] = worlds.map(|world| Evidence { world, ..*sought.evidence });
     let sought = &Sought { evidence: &rough, ..*sought };
     let open = |found: &Recovery| Mirror::of(sought.unknown, sought.kind, found);
     let seems = |found: &Recovery| open(found).is_some_and(|mirror| mirror.seems);
     // What was found to be one by pixels that are blurred otherwise is glanced at.
-    let polished = |values: &&[f64]| sought.unknown.reals(values)[ROUGHNESS].abs() <= PURE;
-    let again = effort.around.filter(polished).map(|around| sought.glance(effort, around)).filter(seems);
+    let again =
+        effort.around.filter(|around| is_polished(sought.unknown, around)).map(|around| sought.glance(effort, around)).filter(seems);
     let found = again.map_or_else(|| rough::recover(sought, effort, &seems, tell), Ok)?;
     let Some(Mirror { unknown, slot, likely, seems }) = open(&found).filter(|_| !effort.late()) else { return Ok(found) };
     tell("polished");
@@ -143,7 +144,7 @@ impl Mirror {
 
     /// The unknown so, if that is how it starts.
     pub fn at_start(unknown: &Unknown, kind: Kind) -> Option<Self> {
-        if kind.anisotropic || !starts_polished(unknown) {
+        if kind.anisotropic || !is_polished(unknown, &unknown.start()) {
             return None;
         }
         let slot = unknown.slots()[ROUGHNESS];
