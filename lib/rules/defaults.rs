@@ -1,7 +1,7 @@
 //! What RADIANCE's programs take for an option of light that is not given.
 
-/// The option, and what it is in rtrace and in rpict (`rtrace -defaults` and `rpict -defaults`, RADIANCE 6.0a).
-const DEFAULTS: [(&str, [f64; 2]); 11] = [
+/// The option, and what it is in rtrace, which traces each of its pixels, and in rpict (`rtrace -defaults` and `rpict -defaults`, RADIANCE 6.0a).
+const DEFAULTS: [(&str, [f64; 2]); 12] = [
     ("-aa", [0.1, 0.2]),
     ("-ab", [0.0, 0.0]),
     ("-as", [512.0, 128.0]),
@@ -11,6 +11,7 @@ const DEFAULTS: [(&str, [f64; 2]); 11] = [
     ("-dt", [0.03, 0.05]),
     ("-lr", [-10.0, 7.0]),
     ("-lw", [1e-4, 1e-4]),
+    ("-ps", [1.0, 4.0]),
     ("-ss", [1.0, 1.0]),
     ("-st", [0.15, 0.15]),
 ];

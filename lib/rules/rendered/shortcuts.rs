@@ -21,7 +21,11 @@ pub fn shortcuts<'a>(lines: impl IntoIterator<Item = &'a str>, least: Option<f64
         if let Some((threshold, st)) = command.option("-st")
             && threshold > least
         {
-            say(st, "a specularity up to that mirrors nothing but lamps there, and comes out too small", "-st 0");
+            say(
+                st,
+                "a specularity up to that mirrors only lamps there and counts as diffuse otherwise: it comes out too small, colours too bright",
+                "-st 0",
+            );
         }
         match command.option("-ss") {
             Some((0.0, ss)) => say(ss, "rough surfaces reflect like mirrors there", "-ss 1"),
@@ -46,6 +50,15 @@ pub fn shortcuts<'a>(lines: impl IntoIterator<Item = &'a str>, least: Option<f64
     }
     if command.is_ours() {
         return found;
+    }
+    if let Some((spacing, ps)) = command.option("-ps")
+        && spacing > 1.0
+    {
+        say(
+            ps,
+            "pixels between those that are traced are interpolated there where these hardly differ, and errors may be ten times as large",
+            "-ps 1",
+        );
     }
     if let Some(aa) = interpolated(&command) {
         say(aa, "light that bounces is interpolated there, 1 % off by .1 on a floor, 8 % on what light comes through near a lamp", "-aa 0");
@@ -107,24 +120,24 @@ mod tests {
     #[test]
     fn shortcuts_of_renderings_are_read_off_their_headers() {
         let said = |lines: &[&str], least, lamps| shortcuts(lines.iter().copied(), Some(least), lamps);
-        assert!(said(&["rpict -st 0 -ss 1 -vf a.vf a.oct", "pfilt -x /2"], 0.0, 1).is_empty());
-        assert!(said(&["rpict -st 0 -ab 1 -aa 0 -dt 0 a.oct"], 0.0, 2).is_empty());
+        assert!(said(&["rpict -ps 1 -st 0 -ss 1 -vf a.vf a.oct", "pfilt -x /2"], 0.0, 1).is_empty());
+        assert!(said(&["rpict -ps 1 -st 0 -ab 1 -aa 0 -dt 0 a.oct"], 0.0, 2).is_empty());
         assert!(said(&["rtrace-rs -ab 2", "SOFTWARE= RADIANCE rtrace, -st .15"], 0.0, 2).is_empty());
         let defaults = said(&["/usr/bin/rpict -ab 1 -vf a.vf a.oct", "\tpfilt -x /2"], 0.0, 2);
-        assert_eq!(defaults.len(), 3);
-        for (said, option) in defaults.iter().zip(["-st 0.15", "-aa 0.2", "-dt 0.05"]) {
+        assert_eq!(defaults.len(), 4);
+        for (said, option) in defaults.iter().zip(["-st 0.15", "-ps 4", "-aa 0.2", "-dt 0.05"]) {
             assert!(said.starts_with(&format!("the target was rendered by rpict with {option}, its default: ")), "{said}");
         }
-        let twice = |options: &str| said(&[&format!("rpict -st 0 -aa 0 -dt 0 {options} a.oct")], 0.0, 2);
+        let twice = |options: &str| said(&[&format!("rpict -ps 1 -st 0 -aa 0 -dt 0 {options} a.oct")], 0.0, 2);
         assert!(twice("-ab 1").is_empty() && twice("-ab 2 -as 0").is_empty());
         assert!(guesses_bounces(["rpict -ab 1"]) && guesses_bounces(["rpict -ab 2 -aa 0"]));
         assert!(!["rpict", "rpict -ab 1 -aa 0", "rpict -ab 2 -aa 0 -as 0", "rtrace-rs -ab 2"].iter().any(|line| guesses_bounces([*line])));
         assert!(twice("-ab 2")[0].ends_with("14 % of a wall in a room; render it with -as 0"));
         let [only] = &said(&["rtrace -st .3 -ss 0 -st .1 a.oct"], 0.2, 1)[..] else { panic!() };
         assert_eq!(only, "the target was rendered by rtrace with -ss 0: rough surfaces reflect like mirrors there; render it with -ss 1");
-        assert!(shortcuts(["rpict -ab 1 -aa 0 -dt 0 -av .1 .1 .1 -aw 16 a.oct"], None, 1)[0].contains("with -aw 16: "));
+        assert!(shortcuts(["rpict -ps 1 -ab 1 -aa 0 -dt 0 -av .1 .1 .1 -aw 16 a.oct"], None, 1)[0].contains("with -aw 16: "));
         // Light is missing only where a lamp is met.
-        let lost = |lamps| said(&["rpict -st 0 -ss 8 -dt 0 a.oct"], 0.0, lamps);
+        let lost = |lamps| said(&["rpict -ps 1 -st 0 -ss 8 -dt 0 a.oct"], 0.0, lamps);
         assert!(lost(0).is_empty() && lost(1)[0].contains("miss light there"), "{:?}", lost(1));
         assert!(said(&["rtrace-rs -ab 2 -aa .2 -dt .05 -aw 16 a.rad"], 0.0, 2).is_empty());
         for (option, harm) in
@@ -135,7 +148,7 @@ mod tests {
         }
         assert!(said(&["rtrace -aa 0 -dt 0 -st 0 -ss 1 -lw .5 a.oct"], 0.0, 2).is_empty());
         // Where nothing rough is sought, nothing is said of it.
-        assert!(shortcuts(["rpict a.oct"], None, 1).is_empty());
+        assert!(shortcuts(["rpict -ps 1 a.oct"], None, 1).is_empty());
     }
 
     #[test]
