@@ -76,3 +76,17 @@ fn a_window_of_illum_lights_a_glossy_floor_as_one_of_light_does() {
     assert!(own < 1.1 * noise, "{own} instead of {noise}");
     assert!((sum(&illum) / sum(&light) - 1.0).abs() < 0.01);
 }
+
+/// Where RADIANCE takes a single sample of what a sheet reflects (`-ss 1`), what goes through it is the same: half of it was lost.
+#[test]
+fn a_patch_of_sun_is_seen_through_a_rough_sheet() {
+    let scene = "void light solar 0 0 3 1e6 1e6 1e6\nsolar source sun 0 0 4 2 0 1 .5\nvoid plastic wall 0 0 5 .5 .5 .5 .05 .1\n\
+                 wall ring floor 0 0 8 0 0 0 0 0 1 0 3\nwall ring roof 0 0 8 0 0 2 0 0 -1 .15 3\nwall cylinder round 0 0 7 0 0 0 0 0 2 3\n\
+                 void trans veil 0 0 7 .9 .9 .9 .04 .2 .95 .9\nveil polygon sheet 0 0 12 -1 -.3 .5 -1 .3 .5 -1 .3 1.1 -1 -.3 1.1\n";
+    let seen = |rules: &str| {
+        let (picture, _) = picture(scene, &format!("-vp 1 0 1 -vd -1 0 -.3 -vh 120 -vv 120 -x 48 -y 48 -ab 2 --spp 256 {rules}"));
+        (17..22).flat_map(|y| (21..27).map(move |x| (x, y))).map(|(x, y)| f64::from(picture.at(x, y)[1])).sum::<f64>()
+    };
+    let (all, single) = (seen(""), seen("-ss 1"));
+    assert!((single / all - 1.0).abs() < 0.15, "{single}, {all}");
+}

@@ -178,12 +178,11 @@ impl<B: Clone> Integrator<'_, B> {
         if let Some(spread) = self.spread(part, vertex.surface) {
             let mut sampler = vertex.sampler.fork();
             self.outcome.random |= spread > 0.0;
-            vertex.exact &= spread == 0.0;
             if let Some((wi, color)) = vertex.surface.bsdf().unweighted(part, spread, &mut sampler) {
                 let mut beta = vertex.beta.clone();
                 transport.scale(&mut beta, color / ways.share[2 + k]);
                 from.direction = vertex.surface.bsdf().to_world(wi);
-                let next = Next { part, weight, exact: vertex.exact };
+                let next = Next { part, weight, exact: vertex.exact && spread == 0.0 };
                 self.send(transport, vertex, beta, from, &next);
             }
             return;
