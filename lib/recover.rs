@@ -47,7 +47,7 @@ use crate::world::World;
 use doubts::Known;
 use misfit::Misfit;
 use model::Kind;
-pub use polished::otherwise;
+pub use polished::{begun, otherwise};
 use rayon::prelude::*;
 use rough::Sought;
 use saturated::Saturated;
@@ -58,7 +58,7 @@ use std::time::Instant;
 
 /// What is known: the scene, the view, the picture.
 pub struct Evidence<'a> {
-    /// The scene, with the unknown at its starting values.
+    /// The scene, with the unknown as it is [`begun`].
     pub world: &'a World,
     /// The same with the unknown as [`otherwise`] says, if it says anything.
     pub otherwise: Option<&'a World>,
@@ -118,8 +118,8 @@ pub struct Recovery {
     pub chi2: f64,
     /// How many pixels count.
     pub pixels: usize,
-    /// The number of each of them, and the square by which it is off, relatively, without the noise of the rendering: about 0, and below it too, where
-    /// it fits. Empty in one that was kept.
+    /// The number of each of them, and the square by which it is off where all together fit best, relatively, without the noise of the rendering: about 0,
+    /// and below it too, where it fits. Empty in one that was kept.
     #[serde(skip)]
     pub losses: Vec<(usize, f64)>,
     /// The numbers of those that are far brighter than anything explains. Empty in one that was kept.

@@ -130,9 +130,8 @@ impl Basis {
         let (sets, columns) = (parts[0].sets, parts.iter().map(|p| p.columns).sum());
         let rows = parts[0].values.len() / parts[0].columns;
         let row = |row: usize| parts.iter().flat_map(move |p| &p.values[row * p.columns..(row + 1) * p.columns]);
-        // The picture is the mean of those of the parts.
-        let variance =
-            |i: usize| std::array::from_fn(|c| parts.iter().map(|p| p.variances[i][c]).sum::<f32>() / (parts.len() as f32).powi(2));
+        // The picture is the mean of those of the parts, which have their random numbers in common.
+        let variance = |i: usize| std::array::from_fn(|c| parts.iter().map(|p| p.variances[i][c]).sum::<f32>() / parts.len() as f32);
         let variances = (0..parts[0].variances.len()).map(variance).collect();
         Self { sets, columns, samples: parts[0].samples.clone(), values: (0..rows).flat_map(row).copied().collect(), variances }
     }

@@ -9,6 +9,7 @@ pub use wishes::{Bounds, Wishes, names};
 use crate::anneal::Parameter;
 use crate::error::{Error, Result};
 use crate::rad::{Class, Document, Number, Primitive};
+use std::collections::HashSet;
 
 /// A material some of whose numbers are not known.
 #[derive(Clone, Debug)]
@@ -160,11 +161,11 @@ impl Unknown {
         through
     }
 
-    /// The same with its parameter at `slot` not below `low`.
-    pub fn at_least(&self, slot: usize, low: f64) -> Self {
+    /// The same with its parameter at `slot`, and its bounds, not below `least`.
+    pub fn at_least(&self, slot: usize, least: f64) -> Self {
         let mut bounded = self.clone();
-        let parameter = &mut bounded.parameters[slot];
-        (parameter.low, parameter.start) = (parameter.low.max(low), parameter.start.max(low));
+        let Parameter { start, low, high, .. } = &mut bounded.parameters[slot];
+        [start, low, high].into_iter().for_each(|value| *value = value.max(least));
         bounded
     }
 
@@ -188,27 +189,27 @@ fn choose<'a>(document: &'a Document, wanted: Option<&str>) -> Result<&'a Primit
         .primitives()
         .filter(|p| p.type_of().is_some_and(|t| t.class == Class::Material) && wanted.is_none_or(|w| w == p.name))
         .collect();
+    // Of those with the same name the last one counts.
+    let mut names = HashSet::new();
+    found.reverse();
+    found.retain(|p| names.insert(&p.name));
     let open = |p: &&Primitive| (0..p.reals.len()).any(|index| usual(p, index).is_some());
     if wanted.is_none() && found.iter().any(open) {
         found.retain(open);
     }
-    // Of those with the same name the last one counts.
-    let last = found.pop();
-    found.retain(|p| last.is_some_and(|l| l.name != p.name));
-    match (last, wanted) {
-        (Some(material), _) if found.is_empty() => Ok(material),
-        (Some(material), _) => {
-            let mut names: Vec<&str> = found.iter().map(|p| p.name.as_str()).chain([material.name.as_str()]).collect();
+    match (&found[..], wanted) {
+        ([material], _) => Ok(material),
+        ([last, ..], _) => {
+            let mut names: Vec<&str> = found.iter().map(|p| p.name.as_str()).collect();
             names.sort_unstable();
-            names.dedup();
-            Err(material.error(format!(
+            Err(last.error(format!(
                 "there are {} materials: {}; say which one is unknown with --material ID",
                 names.len(),
                 names.join(" ")
             )))
         }
-        (None, Some(name)) => Err(Error::new(format!("{file}: no material is called `{name}`"))),
-        (None, None) => Err(Error::new(format!(
+        ([], Some(name)) => Err(Error::new(format!("{file}: no material is called `{name}`"))),
+        ([], None) => Err(Error::new(format!(
             "{file}: no material; write one with the values to start from, as in: void plastic m 0 0 5 .5 .5 .5 .05 .1"
         ))),
     }

@@ -100,6 +100,9 @@ fn of_a_mirror() {
         assert!(name == "rough" && *rough == 0.0 && (0.0005..0.001).contains(error), "{told:?}");
     }
     assert!(found.iter().zip(&predicted).all(|(found, predicted)| (found.1 - predicted.1).abs() < 4.0 * predicted.2), "{found:?}");
+    // Where bounds leave no room for a lobe that tells anything, too.
+    let narrow = told(&anneal(path, &format!("{VIEW} --predict -x 20 -y 20 --scene scene.rad --param rough=:0:.01 start.rad")));
+    assert!((0.0005..0.001).contains(&narrow.last().unwrap().2), "{narrow:?}");
 }
 
 #[test]

@@ -16,7 +16,7 @@ use crate::integrator::survey;
 use crate::picture::{Picture, shrunk};
 use crate::rad::{Document, Number};
 use crate::recover::around::{Around, GUESSED, otherwise_around, otherwise_there};
-use crate::recover::{Evidence, Recovery, cut_out, dead, inside_out, otherwise, saturated};
+use crate::recover::{Evidence, Recovery, begun, cut_out, dead, inside_out, otherwise, saturated};
 use crate::render::{Film, Filter};
 use crate::report::{Setting, Views};
 use crate::rules::Rules;
@@ -284,6 +284,7 @@ impl<'a> Photo<'a> {
     /// Puts another unknown into the place of its own.
     pub fn take_for(&mut self, unknown: Unknown) -> Result<()> {
         self.flat.primitives[self.place].clone_from(unknown.material());
+        self.flat.primitives[self.place].reals = begun(&unknown);
         self.unknown = unknown;
         self.world = self.surveyed(&self.flat)?;
         Ok(())

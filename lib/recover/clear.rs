@@ -99,7 +99,7 @@ fn looked(through: &Through, pixels: &[usize], effort: Effort, tell: &dyn Fn(&st
         let Some(i) = slot.filter(|_| !held && found.amiss().is_none()) else { return Ok(found) };
         let open = found.errors()[i] > aside && aside < WIDEST;
         if (open || !stage.tells(&found)) && another() {
-            (best, aside) = (found.values, WIDER * aside);
+            (best, aside) = (found.values, (WIDER * aside).min(WIDEST));
             continue;
         }
         let (mut here, next) = pursuit.next(found, i, best[i]);

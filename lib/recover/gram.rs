@@ -3,9 +3,9 @@
 //! A picture is a combination x of the basis' columns, per channel. χ² = Σ w (T − I)² = xᵀGx − 2 rᵀx + t, with G, r and t summed once
 //! (measured: 5–24 ms, then 3 µs for each χ²).
 
+use super::total::total;
 use crate::anneal::linear::Symmetric;
 use crate::transport::Basis;
-use rayon::prelude::*;
 
 /// The quadratic form of each channel.
 pub struct Gram {
@@ -22,56 +22,18 @@ impl Gram {
     /// Sums over pixels, the two sets of `basis` taken together: `target` and `weights` hold three numbers for each pixel.
     pub fn new(basis: &Basis, target: &[[f32; 3]], weights: &[[f32; 3]]) -> Self {
         let n = basis.columns;
-        let pixels = target.len();
-        // Fixed pieces, summed in order: the same bytes for any number of threads.
-        let pieces: Vec<Self> = (0..pixels.div_ceil(PIECE))
-            .into_par_iter()
-            .with_max_len(1)
-            .map(|piece| {
-                let mut sum = Self::zero(n);
-                for p in piece * PIECE..((piece + 1) * PIECE).min(pixels) {
-                    sum.add(basis, p, target[p], weights[p]);
-                }
-                sum
-            })
-            .collect();
-        let mut gram = Self::zero(n);
-        for piece in &pieces {
-            for c in 0..3 {
-                gram.squares[c].iter_mut().zip(&piece.squares[c]).for_each(|(a, b)| *a += b);
-                gram.products[c].iter_mut().zip(&piece.products[c]).for_each(|(a, b)| *a += b);
-            }
-            gram.total += piece.total;
-        }
+        // Channel by channel G and r, and t.
+        let length = n * n + n;
+        let sums = total(target.len(), 3 * length + 1, &|p, sums| add(basis, p, (target[p], weights[p]), sums));
+        let channel = |c: usize| &sums[c * length..][..length];
+        let mut gram = Self {
+            columns: n,
+            squares: std::array::from_fn(|c| channel(c)[..n * n].to_vec()),
+            products: std::array::from_fn(|c| channel(c)[n * n..].to_vec()),
+            total: sums[3 * length],
+        };
         gram.symmetrise();
         gram
-    }
-
-    fn zero(columns: usize) -> Self {
-        Self {
-            columns,
-            squares: std::array::from_fn(|_| vec![0.0; columns * columns]),
-            products: std::array::from_fn(|_| vec![0.0; columns]),
-            total: 0.0,
-        }
-    }
-
-    fn add(&mut self, basis: &Basis, pixel: usize, target: [f32; 3], weights: [f32; 3]) {
-        let n = self.columns;
-        let (first, second) = (basis.pixel(pixel, 0), basis.pixel(pixel, 1));
-        for c in 0..3 {
-            let (w, t) = (weights[c] as f64, target[c] as f64);
-            if w == 0.0 {
-                continue;
-            }
-            let mean: Vec<f64> = first[c * n..][..n].iter().zip(&second[c * n..]).map(|(a, b)| 0.5 * (a + b) as f64).collect();
-            self.products[c].iter_mut().zip(&mean).for_each(|(p, m)| *p += w * t * m);
-            self.total += w * t * t;
-            for (i, row) in self.squares[c].chunks_exact_mut(n).enumerate() {
-                let l = mean[i] * w;
-                row[..=i].iter_mut().zip(&mean).for_each(|(g, m)| *g += l * m);
-            }
-        }
     }
 
     /// Only what stands on and below the diagonal was summed.
@@ -117,8 +79,26 @@ impl Gram {
     }
 }
 
-/// Pixels that are summed at a time.
-const PIECE: usize = 256;
+/// Adds what a pixel has of the sums of [`Gram::new`].
+fn add(basis: &Basis, pixel: usize, (target, weights): ([f32; 3], [f32; 3]), sums: &mut [f64]) {
+    let n = basis.columns;
+    let (channels, total) = sums.split_at_mut(3 * (n * n + n));
+    let (first, second) = (basis.pixel(pixel, 0), basis.pixel(pixel, 1));
+    for (c, channel) in channels.chunks_exact_mut(n * n + n).enumerate() {
+        let (w, t) = (weights[c] as f64, target[c] as f64);
+        if w == 0.0 {
+            continue;
+        }
+        let (squares, products) = channel.split_at_mut(n * n);
+        let mean: Vec<f64> = first[c * n..][..n].iter().zip(&second[c * n..]).map(|(a, b)| 0.5 * (a + b) as f64).collect();
+        products.iter_mut().zip(&mean).for_each(|(p, m)| *p += w * t * m);
+        total[0] += w * t * t;
+        for (i, row) in squares.chunks_exact_mut(n).enumerate() {
+            let l = mean[i] * w;
+            row[..=i].iter_mut().zip(&mean).for_each(|(g, m)| *g += l * m);
+        }
+    }
+}
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()

@@ -31,15 +31,31 @@ pub const SPREAD: f64 = PURE * PURE / 3.0;
 /// The place of the roughness among the real arguments.
 const ROUGHNESS: usize = 4;
 
-/// The real arguments of trans that is polished, if it does not start so, or rough, if it does; `None` where it cannot be otherwise than it starts.
-/// Shadow rays go on through what is polished, and end at what is rough, in a scene that was built with it.
+/// The real arguments that a scene is built with: shadow rays go on through what is polished there and lets light through, and end at all else.
+pub fn begun(unknown: &Unknown) -> Vec<f64> {
+    unknown.reals(&through(unknown))
+}
+
+/// The same of trans that is polished, if it does not start so, or rough, if it does; `None` where it cannot be otherwise than it starts.
 pub fn otherwise(unknown: &Unknown) -> Option<Vec<f64>> {
     Kind::named(&unknown.material().kind).filter(|kind| kind.transmits && !kind.anisotropic)?;
     let slot = unknown.slots()[ROUGHNESS]?;
-    let mut values: Vec<f64> = unknown.bounds().iter().map(|(low, high)| 0.5 * (low + high)).collect();
     let (low, high) = unknown.bounds()[slot];
-    values[slot] = if is_polished(unknown, &unknown.start()) { high } else { 0.0 };
+    let mut values = through(unknown);
+    values[slot] = if is_polished(unknown, &values) { high } else { 0.0 };
     (low <= PURE && high > PURE).then(|| unknown.reals(&values))
+}
+
+/// The values that an unknown starts with, but letting light through if it may.
+fn through(unknown: &Unknown) -> Vec<f64> {
+    let mut values = unknown.start();
+    if let Some(kind) = Kind::named(&unknown.material().kind).filter(|kind| kind.transmits) {
+        let shares = kind.roughnesses().end..unknown.material().reals.len();
+        for slot in shares.filter_map(|argument| unknown.slots()[argument]) {
+            values[slot] = values[slot].max(0.5 * unknown.bounds()[slot].1);
+        }
+    }
+    values
 }
 
 /// Whether the unknown is polished, its parameters having these values.

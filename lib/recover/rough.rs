@@ -188,7 +188,7 @@ fn search(problem: &Problem, stage: &Stage, unknown: &Unknown, seed: u64) -> Res
     let found: Vec<Point> = starts.par_iter().map(|start| problem.polish(start, &all)).collect();
     let Some(best) = found.iter().min_by(|a, b| a.chi2.total_cmp(&b.chi2)) else { return Ok(starts.swap_remove(0)) };
     // The truth then lies between valleys that are as deep: directions were drawn to both sides of it, and little is known between.
-    let alike: Vec<&Point> = found.iter().filter(|point| point.chi2 <= ALIKE * best.chi2).collect();
+    let alike: Vec<&Point> = found.iter().filter(|point| !(point.chi2 - best.chi2 > (ALIKE - 1.0) * best.chi2.abs())).collect();
     let (mut values, mut free) = (best.values.clone(), all);
     for (_, slot) in axes {
         let ends = [f64::min, f64::max].map(|end| alike.iter().map(|p| p.values[slot].abs().max(SMOOTHEST)).reduce(end));

@@ -212,7 +212,8 @@ impl<'a> Sheet<'a> {
 
     fn relatively(&self) -> Channels {
         let target: Vec<[f64; 3]> = self.target.iter().map(|t| t.map(f64::from)).collect();
-        let floor = EPSILON.sqrt() * self.level;
+        // Before what is all black, all differences count alike.
+        let floor = if self.level > 0.0 { EPSILON.sqrt() * self.level } else { 1.0 };
         self.blurred(&target, 2).into_iter().enumerate().map(|(i, t)| self.masked(i, t.map(|v| (v.max(0.0) + floor).powi(-2)))).collect()
     }
 
@@ -233,7 +234,7 @@ impl<'a> Sheet<'a> {
         }
         let even = if by_chance > 0.0 { seen / by_chance } else { 1.0 };
         let blend = |half: usize, i: usize| -> [f64; 3] {
-            let share = NEIGHBOURS / (NEIGHBOURS + basis.samples[2 * i + 1 - half] as f64);
+            let share = NEIGHBOURS / (NEIGHBOURS + basis.samples[2 * i + half] as f64);
             std::array::from_fn(|c| even * (own(half, i)[c] + share * (around[i][c] - own(half, i)[c])))
         };
         [0, 1].map(|half| (0..count).map(|i| blend(half, i)).collect())

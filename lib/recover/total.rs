@@ -17,4 +17,4 @@ pub fn total(count: usize, width: usize, part: &(dyn Fn(usize, &mut [f64]) + Syn
 }
 
 /// Pixels that are summed at a time.
-const PIECE: usize = 512;
+const PIECE: usize = 256;

@@ -81,7 +81,9 @@ impl Trial {
                 })
                 .collect();
             let variance = |k: usize| recovery.covariance.form(&slopes.iter().map(|s| s[k]).collect::<Vec<_>>());
-            at.iter().enumerate().map(|(k, &value)| (value, variance(k))).collect()
+            // Of what nothing is known, nothing is known of what it makes.
+            let known = |variance: f64| if variance.is_nan() { f64::INFINITY } else { variance };
+            at.iter().enumerate().map(|(k, &value)| (value, known(variance(k)))).collect()
         });
         Self { kind, free: unknown.parameters().len(), recovery, lobes }
     }

@@ -13,7 +13,7 @@ use std::sync::LazyLock;
 pub const ORDER: usize = 3;
 
 /// The same of one that is polished, which needs few nodes: light goes straight through closed bodies, and meets them again and again. If it meets
-/// them more often, the coefficients are taken for what they are as far as is known; without that it ends.
+/// them more often, the coefficients are taken for what they are as far as is known.
 pub const POLISHED_ORDER: usize = 5;
 
 /// Where albedos and κ would end that stand ever denser: behind 1. So light is known to 1e-4 of itself where κ is up to .95, to .005 where it is .99.

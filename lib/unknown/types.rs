@@ -37,10 +37,8 @@ impl Unknown {
 
     /// The unknown of a scene file, taken for glass whose index of refraction is sought too.
     pub fn as_glass_of_any_index(document: &Document, wishes: &Wishes) -> Result<Self> {
-        let (glass, wishes) = retyped(GLASS, document, wishes)?;
-        let material = super::choose(&glass, wishes.material.as_deref())?;
-        let reals = [&material.reals[..3], &[GLASS_INDEX]].concat();
-        Self::new(glass.retyped(&material.name, GLASS, &reals)?, &wishes)
+        let (document, wishes) = starting(GLASS, &[0.5, 0.5, 0.5, GLASS_INDEX], document, wishes)?;
+        Self::new(document, &wishes)
     }
 }
 
@@ -48,15 +46,20 @@ impl Unknown {
 ///
 /// A parameter keeps its value by its name.
 pub fn retyped(kind: &str, document: &Document, wishes: &Wishes) -> Result<(Document, Wishes)> {
+    let starts = TYPES.iter().find(|(name, _)| *name == kind).map_or(&[][..], |(_, starts)| *starts);
+    starting(kind, starts, document, wishes)
+}
+
+/// The same with as many parameters as there are `starts`, which are what the file does not say; none for a type that no unknown can be taken for.
+fn starting(kind: &str, starts: &[f64], document: &Document, wishes: &Wishes) -> Result<(Document, Wishes)> {
     let material = super::choose(document, wishes.material.as_deref())?;
-    let known = TYPES.iter().find(|(name, _)| *name == kind).and_then(|(name, starts)| Some((Type::named(name)?, *starts)));
-    let (Some((to, starts)), Some(from)) = (known, material.type_of()) else {
+    let (Some(to), Some(from)) = (Type::named(kind).filter(|_| !starts.is_empty()), material.type_of()) else {
         let names = TYPES.map(|(name, _)| name).join(", ");
         return Err(Error::new(format!("no unknown can be taken for {kind}; name one of {names}")));
     };
     let named = |name: &str| from.parameters.iter().position(|p| *p == name).and_then(|i| material.reals.get(i));
     let mut reals: Vec<f64> = to.parameters.iter().zip(starts).map(|(name, start)| *named(name).unwrap_or(start)).collect();
-    if from.name == to.name {
+    if from.name == to.name && material.reals.len() >= starts.len() {
         reals.clone_from(&material.reals);
     }
     // Only the names of parameters mean the same in both.
@@ -123,7 +126,14 @@ mod tests {
         assert_eq!(trans.reals(&[0.1, 0.3, 0.1, 0.2, 0.5]), [0.1, 0.2, 0.3, 0.1, 0.2, 0.5, 0.5]);
         let glass = Unknown::as_glass_of_any_index(&document, &Wishes::default()).unwrap();
         let free: Vec<_> = glass.parameters().iter().map(|p| (p.name.as_str(), p.start)).collect();
-        assert_eq!(free, [("red", 0.1), ("green", 0.2), ("blue", 0.3), ("ior", GLASS_INDEX)]);
+        assert_eq!(free, [("red", 0.1), ("green", 0.2), ("blue", 0.3), ("ior", 1.4)]);
+        // Its index is wished for like any other parameter, and starts as that of glass where the file says nothing of one.
+        let glass = Unknown::as_glass_of_any_index(&document, &tied).unwrap();
+        let [_, _, index] = glass.parameters() else { panic!() };
+        assert_eq!((index.start, index.low, index.high), (1.4, 1.2, 1.6));
+        let pane = Document::parse(Source::new("p.rad", "void glass m 0 0 3 .1 .2 .3\n")).unwrap();
+        let known = Unknown::as_glass_of_any_index(&pane, &Wishes { fixed: vec!["ior".into()], ..Wishes::default() }).unwrap();
+        assert_eq!(known.reals(&known.start()), [0.1, 0.2, 0.3, GLASS_INDEX]);
         let wrong = Wishes { fixed: vec!["gloss".into()], ..Wishes::default() };
         assert!(Unknown::taken_for("metal", &document, &wrong).unwrap_err().message.contains("no type of material that is tried"));
     }

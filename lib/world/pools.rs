@@ -17,7 +17,7 @@ pub struct Pool {
     pub power: f64,
 }
 
-/// The most pools: where there are more, light comes from everywhere.
+/// Where there are about so many pools, none is taken apart any more: where there are more, light comes from everywhere.
 pub const MOST_POOLS: usize = 16;
 
 impl World {

@@ -5,6 +5,7 @@ use crate::cli::{Console, Disk, Outcome, scene};
 use crate::error::Result;
 use crate::expand::{Flat, expand};
 use crate::rad::{Class, Primitive};
+use crate::recover::begun;
 use crate::scene::{MaterialId, Reading, Scene};
 use crate::unknown::Unknown;
 use std::collections::HashSet;
@@ -32,6 +33,7 @@ impl Setup {
         documents.iter().for_each(|document| disk.count(&document.source.name, &document.bytes()));
         let mut flat = expand(documents, disk)?;
         let place = placed(&mut flat, unknown)?;
+        flat.primitives[place].reals = begun(unknown);
         let reading = Reading { unknown: Some(unknown.material().name.clone()), ..scene::reading(&arguments.reading, disk)? };
         let scene = scene::built(&flat, disk, &reading, &arguments.light, console)?;
         let material = scene.material(&flat.primitives[place]).ok_or_else(|| {

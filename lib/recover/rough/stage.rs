@@ -117,7 +117,7 @@ impl<'a> Stage<'a> {
     /// A stage of all roughnesses inside the bounds.
     pub fn wide(sought: &Sought<'a>) -> Self {
         let Sought { unknown, kind, .. } = *sought;
-        let (bounds, known, slots) = (unknown.bounds(), roughness(kind, &unknown.material().reals), slots(kind, unknown));
+        let (bounds, known, slots) = (unknown.bounds(), roughness(kind, &unknown.reals(&unknown.start())), slots(kind, unknown));
         let ends = [0, 1].map(|axis| {
             let (low, high) = slots[axis].map_or((known[axis], known[axis]), |i| bounds[i]);
             (low.max(SMOOTHEST), high.max(SMOOTHEST * 1.5).max(low * 1.01))
@@ -207,7 +207,7 @@ pub fn faint(kind: Kind, unknown: &Unknown, found: &Recovery) -> bool {
     let errors = found.errors();
     let none = |argument: usize| match unknown.slots()[argument] {
         Some(slot) => found.values[slot] <= FAINT * errors[slot],
-        None => unknown.material().reals[argument] == 0.0,
+        None => unknown.reals(&found.values)[argument] == 0.0,
     };
     let through = kind.roughnesses().end;
     none(SPECULARITY) && (!kind.transmits || none(through) || none(through + 1))
@@ -278,7 +278,14 @@ impl Model for Stage<'_> {
         let open = self.open(found);
         // Of two, every other.
         let stride = 1 + usize::from(open.is_some());
-        rough.map(|(axis, slot)| (slot, self.grid[axis].iter().copied().step_by(stride).collect())).chain(open).collect()
+        let inside = |(axis, slot): (usize, usize)| {
+            let Parameter { low, high, .. } = self.unknown.parameters()[slot];
+            let mut all: Vec<f64> = self.grid[axis].iter().map(|value| value.clamp(low, high)).step_by(stride).collect();
+            all.dedup();
+            (slot, all)
+        };
+        // One value is no doubt.
+        rough.map(inside).filter(|(_, all)| all.len() > 1).chain(open).collect()
     }
 
     fn telling(&self, pixels: &[usize], _: u64) -> Option<Vec<f64>> {
