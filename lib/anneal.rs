@@ -141,6 +141,8 @@ enum Purpose {
     Again(usize),
     /// A trial of the stage before, by the means of this one.
     Carry(usize),
+    /// A place on the [`Lines`].
+    Line,
     Polish,
 }
 
@@ -218,7 +220,7 @@ impl Annealer {
             Purpose::Survey => Phase::Survey,
             Purpose::Step(_) => Phase::Walk,
             Purpose::Again(_) | Purpose::Carry(_) => Phase::Again,
-            Purpose::Polish => Phase::Polish,
+            Purpose::Line | Purpose::Polish => Phase::Polish,
         })
     }
 
@@ -237,6 +239,9 @@ impl Annealer {
             if minimum && matches!(purpose, Purpose::Polish) {
                 self.answer = Some(index);
             }
+        }
+        if let (Purpose::Line, Some(lines)) = (&purpose, &mut self.lines) {
+            lines.tell(chi2);
         }
         if let Some(walk) = &mut self.walk {
             match purpose {
@@ -352,7 +357,7 @@ impl Annealer {
     /// The next evaluation after the survey; `None` when the search is over.
     fn choose(&mut self, walk: &mut Walk, random: &mut Random) -> Option<Next> {
         let progress = walk_progress(self.told, &self.options, self.parameters.len());
-        let walking = progress < 1.0 && self.polish.is_none();
+        let walking = progress < 1.0 && self.lines.is_none() && self.polish.is_none();
         // Carry what is best over to the next stage.
         let stage = if walking { stage_at(&self.options.stages, progress) } else { self.options.stages.len() - 1 };
         if stage > self.stage && walk.to_carry().is_none() {
@@ -391,12 +396,10 @@ impl Annealer {
             .map(|t| Seen { at: self.unit(&t.values), value: t.chi2, weight: t.weight() })
             .collect();
         if self.lines.is_none() && self.exact == Some(true) && self.polish.is_none() && rugged::pays(self.options.steps - self.told) {
-            let start = seen.iter().min_by(|a, b| a.value.total_cmp(&b.value))?;
-            self.lines = Some(Lines::from(start, random));
+            self.lines = seen.iter().min_by(|a, b| a.value.total_cmp(&b.value)).map(|start| Lines::from(start, random));
         }
-        let last = self.trials.last().map_or(f64::MAX, |trial| trial.chi2);
-        if let Some(point) = self.lines.as_mut().and_then(|lines| lines.next(last)) {
-            return Some(Next { values: self.values(&point), purpose: Purpose::Polish });
+        if let Some(point) = self.lines.as_ref().and_then(Lines::next) {
+            return Some(Next { values: self.values(&point), purpose: Purpose::Line });
         }
         let measured = self.answer.is_some_and(|answer| answer + 1 == self.trials.len());
         // Where values repeat, a minimum that is none when it is measured shows the quadratic to be wrong: begin anew about the lowest.

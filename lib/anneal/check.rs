@@ -31,7 +31,7 @@ impl Annealer {
             && self.next.as_ref().is_none_or(|next| {
                 within(&next.values)
                     && match &next.purpose {
-                        Purpose::Survey | Purpose::Polish => true,
+                        Purpose::Survey | Purpose::Line | Purpose::Polish => true,
                         Purpose::Step(step) => self.walk.as_ref().is_some_and(|walk| walk.has(step, count)),
                         Purpose::Again(trial) | Purpose::Carry(trial) => *trial < trials,
                     }

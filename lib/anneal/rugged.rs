@@ -16,8 +16,6 @@ pub struct Lines {
     ways: Vec<Vec<f64>>,
     /// What was told, line by line: at each place half as far as at the one before.
     told: Vec<f64>,
-    /// Whether the last of these places waits for what is told.
-    waits: bool,
 }
 
 /// Lines, places on each, and how far the first lies out, in parts of the unit cube.
@@ -46,18 +44,19 @@ impl Lines {
     pub fn from(start: &Seen, random: &mut Random) -> Self {
         let mut way = |s: &f64| FARTHEST * (1.0 - 0.7 * random.uniform()) * if *s > 0.5 { -1.0 } else { 1.0 };
         let ways = (0..LINES).map(|_| start.at.iter().map(&mut way).collect()).collect();
-        Self { start: (start.at.clone(), start.value), ways, told: vec![], waits: false }
+        Self { start: (start.at.clone(), start.value), ways, told: vec![] }
     }
 
-    /// The next place to measure, once `last` was told of the last that was asked for; `None` when all were.
-    pub fn next(&mut self, last: f64) -> Option<Vec<f64>> {
-        if self.waits {
-            self.told.push(last);
-        }
-        self.waits = self.told.len() < LINES * PLACES;
+    /// The next place to measure; `None` when all were.
+    pub fn next(&self) -> Option<Vec<f64>> {
         let (line, place) = (self.told.len() / PLACES, self.told.len() % PLACES);
         let along = |(s, w): (&f64, &f64)| s + w * 0.5f64.powi(place as i32);
-        self.waits.then(|| self.start.0.iter().zip(&self.ways[line]).map(along).collect())
+        self.ways.get(line).map(|way| self.start.0.iter().zip(way).map(along).collect())
+    }
+
+    /// Takes the value at that place.
+    pub fn tell(&mut self, value: f64) {
+        self.told.push(value);
     }
 
     /// By how much values jump: a standard deviation; 0 where they do not, and before all were told.
