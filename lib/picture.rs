@@ -227,6 +227,7 @@ impl Picture {
         let mut matrix = Mat3::from_diagonal(Vec3::from(correction.map(|c| 1.0 / (exposure * c))));
         if self.header.format == Format::Xyz {
             matrix = xyz_to_rgb() * matrix * (1.0 / WHITE_EFFICACY);
+            self.header.lines.retain(|line| !line.starts_with("PRIMARIES="));
         }
         self.header.format = Format::Rgb;
         self.header.lines.retain(|line| !line.starts_with("EXPOSURE=") && !line.starts_with("COLORCORR="));

@@ -8,6 +8,9 @@ use std::collections::HashMap;
 /// The routine that computes `results` from its parameters; `None` if it is too large.
 pub(super) fn emit(graph: &Graph, results: &[Id], parameters: usize) -> Option<Routine> {
     let blocks = place(graph, results);
+    if blocks.iter().any(|block| block.depth > MAX_DEPTH) {
+        return None;
+    }
     let mut emitter =
         Emitter { graph, blocks, registers: HashMap::new(), next: parameters, code: Vec::new(), tables: Vec::new(), lists: Vec::new() };
     emitter.block(0);
@@ -28,6 +31,9 @@ pub(super) fn emit(graph: &Graph, results: &[Id], parameters: usize) -> Option<R
 
 /// The most operations a routine may have.
 const MAX_CODE: usize = 1 << 18;
+
+/// The most branches within each other.
+const MAX_DEPTH: usize = 1000;
 
 /// A stretch of code that runs only if a branch takes it; the first is the whole routine.
 struct Block {

@@ -1,6 +1,7 @@
 //! The functions every `.cal` text may call, by name, and what they compute.
 //!
-//! A result that does not exist (division by zero, logarithm of a negative number) is NaN, which every operation passes on, but for a power of 0, which is 1.
+//! A result that does not exist (division by zero, logarithm of a negative number) is NaN, which every operation passes on, but for powers: that
+//! of anything to 0 is 1, and so is that of 1 to anything.
 
 use super::noise;
 use std::f64::consts::FRAC_2_SQRT_PI;

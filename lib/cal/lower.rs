@@ -129,7 +129,7 @@ impl<'l> Lowering<'l> {
         let operands: Vec<Id> = parameters.iter().map(|&i| self.graph.add(Node::Parameter(i as u16))).collect();
         let bindings = operands.into_iter().map(Binding::Ready).collect();
         let lowered = match function {
-            Function::Builtin(builtin) => self.builtin_of(builtin, &Scope { text, bindings }, parameters.len()),
+            Function::Builtin(builtin) => self.builtin_of(builtin, &Scope { text, bindings }, text.len()),
             Function::Symbol(symbol) => self.call(symbol, bindings, &Scope::of(text), text.len()),
         };
         self.root(lowered, || text.error(text.len(), format!("'{name}' has no value")))

@@ -1,7 +1,7 @@
 //! The file system and the shell as the library sees them: RAYPATH, the function files that ship with the project, and the
 //! gate for commands.
 
-use super::stream::{all, file, lost, native, plain};
+use super::stream::{all, file, lost, native, place, plain};
 use super::{Console, Outcome};
 use crate::args::Commands;
 use crate::cal;
@@ -63,7 +63,7 @@ impl<'a> Disk<'a> {
     fn counted(&self, name: &str, path: impl AsRef<Path>) -> Result<Vec<u8>> {
         let bytes = file(&path)?;
         self.count(name, &bytes);
-        if let (Ok(path), Ok(mut opened)) = (std::fs::canonicalize(path), self.opened.lock()) {
+        if let (Some(path), Ok(mut opened)) = (place(path.as_ref()), self.opened.lock()) {
             opened.insert(path);
         }
         Ok(bytes)
@@ -71,10 +71,8 @@ impl<'a> Disk<'a> {
 
     /// Errors if one of these files, which are to be written, was read here: it would be lost.
     pub fn spares<'p>(&self, outputs: impl IntoIterator<Item = &'p Path>) -> Outcome<()> {
-        let read = |path: &&Path| {
-            let path = std::fs::canonicalize(path);
-            path.is_ok_and(|path| path.is_file() && self.opened.lock().is_ok_and(|opened| opened.contains(&path)))
-        };
+        let read =
+            |path: &&Path| place(path).is_some_and(|path| path.is_file() && self.opened.lock().is_ok_and(|opened| opened.contains(&path)));
         outputs.into_iter().find(read).map_or(Ok(()), |path| Err(lost(path).into()))
     }
 }

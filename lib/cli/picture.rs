@@ -32,14 +32,16 @@ pub fn rendered(args: &Arguments, rules: &Rules, disk: &Disk, start: Instant, co
     };
     let header = film::header(console.trail(), &view, &film);
     let output = args.common.output.as_deref();
+    let wanted = options.coverage.as_ref().map(|name| {
+        let materials: Vec<MaterialId> = (0..world.materials().len()).filter(|&m| world.materials()[m].name == *name).collect();
+        let missing = || Error::new(format!("--coverage {name}: no surface has a material of this name"));
+        if materials.is_empty() { Err(missing()) } else { Ok(materials) }
+    });
+    let wanted = wanted.transpose()?;
     if let Some(path) = &options.z {
         Output::whole(Some(path), &film::depths(&lengths(&task)))?;
     }
-    if let Some(name) = &options.coverage {
-        let materials: Vec<MaterialId> = (0..world.materials().len()).filter(|&m| world.materials()[m].name == *name).collect();
-        if materials.is_empty() {
-            return Err(Error::new(format!("--coverage {name}: no surface has a material of this name")).into());
-        }
+    if let Some(materials) = wanted {
         let covered = film::picture(size, header, coverage(&task, &materials).into_iter().map(Vec3::splat));
         return film::write(&covered, output, options.exr).map(|()| Answer::Yes);
     }

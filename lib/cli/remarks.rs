@@ -1,7 +1,7 @@
 //! What the file of a picture says of itself that does not go with what was typed.
 
 use crate::args::rtrace::Light;
-use crate::picture::{PRIMARIES, Picture};
+use crate::picture::{Format, PRIMARIES, Picture};
 use crate::rad::Number;
 use crate::render::Film;
 use crate::rules::rendered::{otherwise, reduced, shortcuts};
@@ -71,7 +71,9 @@ fn cut_off(target: &Picture, film: &Film) -> Option<String> {
 /// Of colours that are mixed of other primaries than RADIANCE's.
 fn coloured(name: &str, target: &Picture) -> Option<String> {
     let far = |(a, b): (&[f64; 2], &[f64; 2])| (a[0] - b[0]).hypot(a[1] - b[1]) > COLORS;
-    let other = target.header.primaries().is_some_and(|own| own[..3].iter().zip(&PRIMARIES[..3]).any(far));
+    // Those of CIE XYZ are known.
+    let own = target.header.primaries().filter(|_| target.header.format == Format::Rgb);
+    let other = own.is_some_and(|own| own[..3].iter().zip(&PRIMARIES[..3]).any(far));
     other.then(|| {
         format!("{name} has other PRIMARIES than RADIANCE's, and is taken as it is: what is found is in its colours, if those of the light are too")
     })

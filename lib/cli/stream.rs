@@ -38,12 +38,21 @@ pub fn native(text: &str) -> OsString {
     return text.into();
 }
 
+/// Where a file of that name is, if there is one: its one path.
+pub fn place(name: &Path) -> Option<PathBuf> {
+    std::fs::canonicalize(path(name)).ok()
+}
+
+/// A file's name as the operating system knows it.
+fn path(name: &Path) -> PathBuf {
+    name.to_str().map_or_else(|| name.to_path_buf(), |text| native(text).into())
+}
+
 /// All bytes of a file.
 pub fn file(name: impl AsRef<Path>) -> Result<Vec<u8>> {
     let name = name.as_ref();
     let shown = name.display().to_string();
-    let path = name.to_str().map_or_else(|| name.to_path_buf(), |text| native(text).into());
-    all(File::open(path).map_err(|e| Error::new(format!("{shown}: {}", plain(&e))))?, &shown)
+    all(File::open(path(name)).map_err(|e| Error::new(format!("{shown}: {}", plain(&e))))?, &shown)
 }
 
 /// All bytes of a stream, up to the limit.
@@ -130,8 +139,8 @@ impl Output {
             if std::fs::metadata(path).is_ok_and(|m| !m.is_file() && !m.is_dir()) {
                 continue;
             }
-            let there = std::fs::canonicalize(path).ok();
-            if there.is_some() && sources.iter().any(|source| std::fs::canonicalize(source).ok() == there) {
+            let there = place(path);
+            if there.is_some() && sources.iter().any(|source| place(source.as_ref()) == there) {
                 return Err(lost(path).into());
             }
             let mut place = None;

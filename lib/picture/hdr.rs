@@ -209,9 +209,9 @@ struct Resolution {
 impl Resolution {
     fn read(input: &mut Bytes) -> Result<Self> {
         let end = input.rest.iter().take(32).position(|&c| c == b'\n');
-        let text = end.map(|end| String::from_utf8_lossy(&input.rest[..end]));
-        let text = text.ok_or_else(|| Error::new(format!("{}: no resolution line like -Y 480 +X 640 after the header", input.name)))?;
-        input.rest = &input.rest[text_end(input.rest)..];
+        let end = end.ok_or_else(|| Error::new(format!("{}: no resolution line like -Y 480 +X 640 after the header", input.name)))?;
+        let text = String::from_utf8_lossy(&input.rest[..end]);
+        input.rest = &input.rest[end + 1..];
         let words: Vec<_> = text.split_whitespace().collect();
         let axis = |sign_axis: &str, length: &str| match (sign_axis.as_bytes(), length.parse::<usize>()) {
             (&[sign @ (b'+' | b'-'), axis @ (b'X' | b'Y')], Ok(length)) if length > 0 => Some((sign == b'-', axis, length)),
@@ -244,11 +244,6 @@ impl Resolution {
         let y = if self.upward { height - 1 - y } else { y };
         if self.columns { x * height + y } else { y * width + x }
     }
-}
-
-/// One past the end of the first line.
-fn text_end(bytes: &[u8]) -> usize {
-    bytes.iter().position(|&c| c == b'\n').map_or(bytes.len(), |end| end + 1)
 }
 
 /// Reads one line in whichever encoding it is.

@@ -28,7 +28,7 @@ impl Undefined {
 /// The nearest to a word of some others, if it is so near that it may be meant: no more than two letters are wrong, nor more than half of it.
 pub fn likely<'a>(word: &str, others: impl Iterator<Item = &'a str>) -> Option<&'a str> {
     let nearest = others.map(|other| (distance(word, other), other)).min();
-    nearest.filter(|(wrong, _)| *wrong <= 2.min(word.len().div_ceil(2))).map(|(_, likely)| likely)
+    nearest.filter(|(wrong, _)| *wrong <= 2.min(word.chars().count() / 2)).map(|(_, likely)| likely)
 }
 
 /// Edits between two words (Levenshtein 1966), letters compared without case.

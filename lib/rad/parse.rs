@@ -186,8 +186,10 @@ fn next_statement(input: &str) -> &str {
     while let Some(end) = rest.find('\n') {
         rest = &rest[end + 1..];
         let mut words = rest.lines().next().unwrap_or("").split_ascii_whitespace();
-        let (first, second) = (words.next().unwrap_or(""), words.next().unwrap_or(""));
-        if first.starts_with(['#', '!']) || Type::named(second).is_some() {
+        let (first, second, third) = (words.next().unwrap_or(""), words.next().unwrap_or(""), words.next());
+        // What is meant for a type may be wrong there too.
+        let meant = || third.is_some_and(|name| real(name).is_none()) && likely(second, TYPES.iter().map(|t| t.name)).is_some();
+        if first.starts_with(['#', '!']) || first == "void" || Type::named(second).is_some() || meant() {
             return rest;
         }
     }

@@ -27,7 +27,8 @@ pub struct Features {
     pub indirect: Rgb,
 }
 
-/// The features of the pixels of a finished rendering, seen by the same samples: direct and indirect light add up to the rendering. `None` once `stop`
+/// The features of the pixels of a finished rendering, seen by the same samples: direct and indirect light add up to the rendering,
+/// but in pixels that it had no time for. `None` once `stop`
 /// says so.
 pub fn features(task: &Task, rendering: &Rendering, stop: &(dyn Fn() -> bool + Sync)) -> Option<Vec<Features>> {
     let suns = Suns::of(task);

@@ -70,6 +70,11 @@ impl<'a> Command<'a> {
         self.word(name)?.parse().ok()
     }
 
+    /// How often light bounces, if that is said: never without samples of it.
+    fn bounces(&self) -> Option<f64> {
+        if self.given("-ad") == Some(0.0) { Some(0.0) } else { self.given("-ab") }
+    }
+
     /// What one of RADIANCE's programs takes for an option that is not given.
     fn default(&self, name: &str) -> f64 {
         radiances(name)[(self.program() == "rpict") as usize]

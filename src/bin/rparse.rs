@@ -7,7 +7,7 @@ use inverad::error::{Error, Source};
 use inverad::expand::{Flat, expand, expand_all_errors};
 use inverad::import::is_octree;
 use inverad::inventory::Inventory;
-use inverad::rad::{self, Document, Links, Type};
+use inverad::rad::{self, Document, ERROR_LIMIT, Links, Type};
 use inverad::resolve::Resolve;
 use std::io::{self, Write};
 use std::process::ExitCode;
@@ -42,7 +42,8 @@ fn run(args: Args, console: &Console) -> Outcome<Answer> {
         let flat = expand(documents, &disk)?;
         // A scene is printed for oconv.
         let Problems { errors, warnings } = if args.mode.is_scene() { glance(&flat) } else { Problems::default() };
-        warn(console, flat.warnings.iter().cloned().chain(warnings.iter().map(Error::remark)));
+        let warnings = flat.warnings.iter().cloned().chain(warnings.iter().map(Error::remark));
+        show(warnings, WARNINGS, "warnings", |warning| console.warn(warning));
         if let Some(error) = errors.into_iter().next() {
             return Err(error.into());
         }
@@ -81,12 +82,12 @@ fn print(args: &Args, mut flat: Flat) -> String {
     flat.to_string()
 }
 
-/// Shows warnings, but not too many.
-fn warn(console: &Console, mut warnings: impl Iterator<Item = String>) {
-    warnings.by_ref().take(WARNINGS).for_each(|warning| console.warn(&warning));
-    let more = warnings.count();
+/// Shows what is to be said, but so much of it at the most.
+fn show(mut said: impl Iterator<Item = String>, most: usize, what: &str, say: impl Fn(&str)) {
+    said.by_ref().take(most).for_each(|said| say(&said));
+    let more = said.count();
     if more > 0 {
-        console.warn(&format!("{more} more warnings are not shown"));
+        say(&format!("{more} more {what} are not shown"));
     }
 }
 
@@ -102,9 +103,8 @@ fn report(sources: Vec<Arc<Source>>, resolve: &dyn Resolve, console: &Console) -
     errors.append(&mut wrong);
     let mut problems = check(&flat, resolve);
     errors.append(&mut problems.errors);
-    warn(console, flat.warnings.into_iter().chain(problems.warnings.iter().map(Error::remark)));
-    for error in &errors {
-        let _ = writeln!(io::stderr(), "rparse: {error}");
-    }
+    let warnings = flat.warnings.into_iter().chain(problems.warnings.iter().map(Error::remark));
+    show(warnings, WARNINGS, "warnings", |warning| console.warn(warning));
+    show(errors.iter().map(Error::to_string), ERROR_LIMIT, "errors", |error| drop(writeln!(io::stderr(), "rparse: {error}")));
     if errors.is_empty() { Answer::Yes } else { Answer::No }
 }

@@ -73,7 +73,7 @@ impl Reckoning {
             (Some(command.default("-dj")), command.default("-ds"), count("-ab"), count("-dr"))
         };
         let count = |name: &str, other: u32| command.given(name).map_or(other, |count| count.max(0.0) as u32);
-        let bounces = if command.given("-ad") == Some(0.0) { 0 } else { count("-ab", bounces) };
+        let bounces = command.bounces().map_or(bounces, |most| most.max(0.0) as u32);
         let jitter = command.given("-dj").filter(|dj| (0.0..=1.0).contains(dj)).or(jitter);
         let division = command.given("-ds").filter(|ds| *ds >= 0.0).unwrap_or(division);
         Some(Self {

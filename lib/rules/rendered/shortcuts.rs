@@ -86,17 +86,15 @@ pub fn guesses_bounces<'a>(lines: impl IntoIterator<Item = &'a str>) -> bool {
 
 /// The words for the accuracy by which a command of RADIANCE interpolates light that bounces; `None` if it does not.
 fn interpolated(command: &Command) -> Option<String> {
-    command.option("-aa").filter(|(accuracy, _)| *accuracy > 0.0 && bounces(command) > 0.0).map(|(_, aa)| aa)
+    command.option("-aa").filter(|(accuracy, _)| *accuracy > 0.0 && command.bounces().is_some_and(|most| most > 0.0)).map(|(_, aa)| aa)
 }
 
 /// The words for how often it samples such light anew where that seems to pay, which tells from the second bounce on; `None` if it does not.
 fn supersampled(command: &Command) -> Option<String> {
-    command.option("-as").filter(|(samples, _)| *samples > 0.0 && bounces(command) > 1.0).map(|(_, samples)| samples)
-}
-
-/// How often light bounces in its picture.
-fn bounces(command: &Command) -> f64 {
-    command.given("-ab").unwrap_or(0.0)
+    command
+        .option("-as")
+        .filter(|(samples, _)| *samples > 0.0 && command.bounces().is_some_and(|most| most > 1.0))
+        .map(|(_, samples)| samples)
 }
 
 /// What is to be said of a rendering in which only some surfaces gather indirect light, or that shows irradiance; of the first if it was not `typed`
@@ -131,7 +129,11 @@ mod tests {
         let twice = |options: &str| said(&[&format!("rpict -ps 1 -st 0 -aa 0 -dt 0 {options} a.oct")], 0.0, 2);
         assert!(twice("-ab 1").is_empty() && twice("-ab 2 -as 0").is_empty());
         assert!(guesses_bounces(["rpict -ab 1"]) && guesses_bounces(["rpict -ab 2 -aa 0"]));
-        assert!(!["rpict", "rpict -ab 1 -aa 0", "rpict -ab 2 -aa 0 -as 0", "rtrace-rs -ab 2"].iter().any(|line| guesses_bounces([*line])));
+        assert!(
+            !["rpict", "rpict -ab 1 -aa 0", "rpict -ab 2 -aa 0 -as 0", "rpict -ab 2 -ad 0", "rtrace-rs -ab 2"]
+                .iter()
+                .any(|line| guesses_bounces([*line]))
+        );
         assert!(twice("-ab 2")[0].ends_with("14 % of a wall in a room; render it with -as 0"));
         let [only] = &said(&["rtrace -st .3 -ss 0 -st .1 a.oct"], 0.2, 1)[..] else { panic!() };
         assert_eq!(only, "the target was rendered by rtrace with -ss 0: rough surfaces reflect like mirrors there; render it with -ss 1");
