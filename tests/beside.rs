@@ -4,6 +4,8 @@
 use inverad::picture::Picture;
 use inverad::picture::exr::{Planes, Samples};
 use std::f64::consts::PI;
+#[cfg(unix)]
+use std::ffi::OsStr;
 use std::fs;
 use std::process::Command;
 
@@ -114,6 +116,16 @@ fn what_a_scene_reads_is_not_overwritten() {
     let said = String::from_utf8(done.stderr).unwrap();
     assert!(done.status.code() == Some(2) && said.contains("ball.rad: read here, and would be lost"), "{said}");
     assert_eq!(fs::read_to_string(at("ball.rad")).unwrap(), BALL);
+    // Nor is what has a name that is no UTF-8.
+    #[cfg(unix)]
+    {
+        let name: &OsStr = std::os::unix::ffi::OsStrExt::from_bytes(b"caf\xe9.rad");
+        fs::write(directory.path().join(name), format!("{BALL}{SKY}")).unwrap();
+        let line = ["-vp", "0", "-5", "0", "-vd", "0", "1", "0", "-x", "4", "-y", "4", "-o"].map(OsStr::new);
+        let mut command = Command::new(env!("CARGO_BIN_EXE_rtrace-rs"));
+        let done = command.current_dir(directory.path()).args(line).args([name, name]).output().unwrap();
+        assert_eq!(done.status.code(), Some(2), "{}", String::from_utf8_lossy(&done.stderr));
+    }
 }
 
 #[test]

@@ -67,6 +67,20 @@ fn another_white_balance_is_said_and_another_light() {
     }
 }
 
+/// In a closed room light is noisier than in the open, and what the object throws at its walls is of its colour: nothing was said of as much.
+#[test]
+fn a_small_error_of_the_exposure_or_the_white_balance_is_said_in_a_room_too() {
+    let room = "void plastic wall 0 0 5 .6 .58 .5 0 0\n!genbox wall room 8 9 6 -i | xform -t -4 -6 -1\nvoid light lamp 0 0 3 120 110 90\n\
+                lamp sphere one 0 0 4 -1.8 -2 2.6 .12\nlamp sphere two 0 0 4 2 -1.4 2.2 .09\nit sphere ball 0 0 4 0 0 0 1\n";
+    let told = |factors: [f32; 3]| told_of(room, |pixels| pixels.iter_mut().for_each(|p| (0..3).for_each(|c| p[c] *= factors[c])));
+    assert!(!told([1.0; 3]).contains("warning"));
+    for (factors, what) in [([1.05, 1.0, 0.95], "another white balance"), ([1.05; 3], "another exposure")] {
+        let out = told(factors);
+        assert!(out.contains(what), "{out}");
+        found(&out, &[("red", 0.6), ("green", 0.4), ("blue", 0.2)], 0.1);
+    }
+}
+
 #[test]
 fn what_is_a_little_elsewhere_is_said_and_errors_hold_it() {
     let directory = photographed("dielectric it 0 0 5 .8 .6 .9 1.5 0", SCENE, "-x 60 -y 60 --spp 64 --seed 5 -ab 1 -o target.exr");

@@ -90,6 +90,12 @@ fn a_check_finds_every_problem_in_one_run() {
     assert_eq!((status, output.len()), (1, 0));
     let places: Vec<&str> = said.lines().filter_map(|l| l.strip_prefix("rparse: <stdin>:")?.split(": error:").next()).collect();
     assert_eq!(places, ["1:30", "4:1", "2:1", "3:6"], "{said}");
+    // Types that are none, one after the other.
+    let types =
+        "void plastik a 0 0 5 1 1 1 0 0\nvoid metall b 0 0 5 1 1 1 0 0\nvoid spheer s\n0\n0\n4 0 0 0 1\nvoid sphre t 0 0 4 0 0 0 1\n";
+    let (_, _, said) = rparse(Path::new("."), &["--check"], types.as_bytes());
+    let meant: Vec<&str> = said.lines().filter_map(|l| l.strip_suffix("` is one")?.rsplit('`').next()).collect();
+    assert_eq!(meant, ["plastic", "metal", "sphere", "sphere"], "{said}");
     let (status, output, said) = rparse(Path::new("."), &["--check"], SCENE.as_bytes());
     assert_eq!((status, output.len()), (0, 0), "{said}");
     assert!(said.starts_with("rparse: warning: <stdin>:10:1: the command printed no primitive"), "{said}");

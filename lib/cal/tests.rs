@@ -310,6 +310,13 @@ fn deep_and_long_expressions_are_no_danger() {
     let file = library.load("f.cal", &files).unwrap();
     assert!(library.compile(file, &[("f100(1)", None)], &[]).is_ok());
     assert!(library.compile(file, &[("f1999(Px)", None)], &[]).unwrap_err().to_string().contains("too deeply"));
+    // Branches within each other, by way of variables that are known already.
+    let mut text = String::from("v0 = Dx; ");
+    (1..=3000).for_each(|i| text += &format!("v{i} = if(Dx-1, v{}, {i}); ", i - 1));
+    let file = library.load("v.cal", &Files::of([("v.cal", text.as_bytes())])).unwrap();
+    let by_way: String = (1..15).map(|i| format!("if(Dx-9,(1/0)*v{},0)+", 200 * i)).collect();
+    assert!(library.compile(file, &[(&format!("{by_way}v900"), None)], &[]).is_ok());
+    assert!(library.compile(file, &[(&format!("{by_way}v3000"), None)], &[]).is_err());
     // Definitions that double each other.
     let mut text = String::from("g0(x) = sin(x + Dx); ");
     (1..60).for_each(|i| text += &format!("g{i}(x) = g{0}(x) + g{0}(x+1); ", i - 1));

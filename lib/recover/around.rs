@@ -1,5 +1,6 @@
 //! Whether what is known of a picture, around the unknown, is as the scene has it.
 
+use super::median::median;
 use super::saturated;
 use super::words::list;
 use super::{Evidence, Recovery};
@@ -16,9 +17,10 @@ use std::collections::HashSet;
 const LOOKED_AT: usize = 300;
 const FEWEST: usize = 30;
 const THERE: usize = 10 * LOOKED_AT;
-/// By which part of itself the light of known things is off at the least for it to be said: of all alike, half of them within less than that and within
-/// this part of what they have in common; of neighbours together, beyond so many standard errors.
-const OFF: f64 = 0.05;
+/// By which part of itself the light of known things is off at the least for it to be said: of all alike, where the middle one is off by this part of
+/// that at the least, and neighbours together by no more besides; of neighbours together; all by so many standard errors.
+const ALL: f64 = 0.03;
+const TOGETHER: f64 = 0.05;
 const ALIKE: f64 = 0.5;
 const SURE: f64 = 4.0;
 
@@ -55,14 +57,14 @@ pub fn otherwise_around(
     let scene = looked_at.rendered(world, seed);
     let picture = looked_at.photographed(exposures.unwrap_or([1.0; 3]));
     let again = looked_at.rendered(world, mix64(seed));
-    let factors = common([0, 1, 2].map(|c| factor(&picture, &scene, |light| light[c])));
-    let (mut said, off) = match factors.filter(|factors| exposures.is_none() && in_all(*factors, &picture, &scene, &again)) {
+    let compared = Compared::new(&picture, &scene, &again);
+    let (mut said, off) = match compared.factors(&looked_at.rounded()).filter(|_| exposures.is_none()) {
         Some(factors) => {
             let off = factors.into_iter().map(|factor| (factor - 1.0).abs()).fold(0.0, f64::max);
-            (exposed(factors, factor(&picture, &scene, bright)), off)
+            (exposed(factors, compared.factor(bright).0), off)
         }
         None => {
-            let off = displaced(&picture, &scene, &again)?;
+            let off = compared.displaced()?;
             let said = format!(
                 "around the unknown the picture is not as the scene is there, neighbours together by {:.0} %: the light, the view or what is there may not be those of the photograph",
                 100.0 * off
@@ -89,7 +91,7 @@ pub fn otherwise_there(
 ) -> Option<String> {
     let looked_at = Looked::new(evidence, THERE, |n| evidence.filled(n, material))?;
     let [scene, again] = [seed, mix64(seed)].map(|seed| looked_at.rendered(world, seed));
-    let part = displaced(&looked_at.photographed(unknown.exposures(&found.values)), &scene, &again)?;
+    let part = Compared::new(&looked_at.photographed(unknown.exposures(&found.values)), &scene, &again).displaced()?;
     (part > unsure(unknown, found)).then(|| {
         format!(
             "the picture is not what this makes, neighbours together by {:.0} %: the type, the light or the view may not be those of the photograph, \
@@ -132,6 +134,13 @@ impl<'a> Looked<'a> {
         self.evidence.rendered(world, &self.numbers, seed).pixels.iter().map(|pixel| pixel.mean()).collect()
     }
 
+    /// By which part of itself light of each channel may be off as its file rounds it.
+    fn rounded(&self) -> [f64; 3] {
+        let light = |c: usize| self.numbers.iter().map(|n| f64::from(self.evidence.target.pixels[*n][c])).sum::<f64>();
+        let steps = |c: usize| self.evidence.steps.map_or(0.0, |steps| self.numbers.iter().map(|n| f64::from(steps[*n][c])).sum());
+        [0, 1, 2].map(|c| steps(c) / (light(c) * 12f64.sqrt()))
+    }
+
     /// What the picture does, which is brighter by these factors.
     fn photographed(&self, exposures: [f64; 3]) -> Vec<Rgb> {
         let light = |&n: &usize| std::array::from_fn(|c| f64::from(self.evidence.target.pixels[n][c]) / exposures[c]).into();
@@ -139,74 +148,97 @@ impl<'a> Looked<'a> {
     }
 }
 
-/// By how much light of the picture is brighter than that of the scene, if it is so all alike.
-fn factor(picture: &[Rgb], scene: &[Rgb], of: impl Fn(Rgb) -> f64) -> Option<f64> {
-    let ratios = picture.iter().zip(scene).map(|(picture, scene)| of(*picture) / of(*scene));
-    let mut ratios: Vec<f64> = ratios.filter(|ratio| ratio.is_finite()).collect();
-    if ratios.len() < FEWEST {
-        return None;
+/// Pairs of neighbours as the picture has them, and as the scene has them, in terms of how bright a rendering of its own has them: what this one lacks
+/// by chance, it is off by too.
+struct Compared {
+    pairs: Vec<[[Rgb; 2]; 2]>,
+}
+
+impl Compared {
+    fn new(picture: &[Rgb], scene: &[Rgb], again: &[Rgb]) -> Self {
+        let [picture, scene, again] = [picture, scene, again].map(|lights| lights.as_chunks::<2>().0);
+        let pairs = picture.iter().zip(scene).zip(again).filter_map(|((picture, scene), again)| {
+            let mean = 0.5 * again.iter().map(|light| bright(*light)).sum::<f64>();
+            (mean > 0.0).then(|| [picture, scene].map(|lights| lights.map(|light| light / mean)))
+        });
+        Self { pairs: pairs.collect() }
     }
-    ratios.sort_by(f64::total_cmp);
-    let [low, middle, high] = [1, 2, 3].map(|part| ratios[part * (ratios.len() - 1) / 4]);
-    (middle > 0.0 && high - low < (ALIKE * middle).min((middle - 1.0).abs().max(OFF))).then_some(middle)
-}
 
-/// The factors of all channels, if each has one and one of them at the least is not 1.
-fn common([red, green, blue]: [Option<f64>; 3]) -> Option<[f64; 3]> {
-    Some([red?, green?, blue?]).filter(|factors| factors.iter().any(|factor| (factor - 1.0).abs() > OFF))
-}
+    fn sum(&self, of: impl Fn(&[[Rgb; 2]; 2]) -> f64) -> f64 {
+        self.pairs.iter().map(of).sum()
+    }
 
-/// Whether a channel that has such a factor is off in the mean too, in terms of a rendering of its own: where few samples find a small lamp most pixels
-/// are too dark, and some make up for it.
-fn in_all(factors: [f64; 3], picture: &[Rgb], scene: &[Rgb], again: &[Rgb]) -> bool {
-    (0..3).filter(|c| (factors[*c] - 1.0).abs() > OFF).any(|c| {
-        let lights = picture.iter().zip(scene).zip(again).filter(|(_, again)| again[c] > 0.0);
-        let parts: Vec<f64> = lights.map(|((picture, scene), again)| (picture[c] - scene[c]) / again[c]).collect();
-        let mean = parts.iter().sum::<f64>() / parts.len() as f64;
-        let error = parts.iter().map(|part| (part - mean).powi(2)).sum::<f64>().sqrt() / parts.len() as f64;
-        mean.abs() > SURE * error
-    })
+    /// By how many times light of the picture is brighter than that of the scene, and the standard error of that.
+    fn factor(&self, of: impl Fn(Rgb) -> f64) -> (f64, f64) {
+        let [picture, scene] = [0, 1].map(|which| self.sum(|pair| of(pair[which][0] + pair[which][1])));
+        let factor = picture / scene;
+        let rest = |[picture, scene]: &[[Rgb; 2]; 2]| of(picture[0] + picture[1]) - factor * of(scene[0] + scene[1]);
+        (factor, self.sum(|pair| rest(pair).powi(2)).sqrt() / scene)
+    }
+
+    /// The same of the pair in the middle, which a few that are otherwise do not move.
+    fn median(&self, c: usize) -> f64 {
+        let ratios = self.pairs.iter().map(|[picture, scene]| (picture[0][c] + picture[1][c]) / (scene[0][c] + scene[1][c]));
+        median(ratios.filter(|ratio| ratio.is_finite())).unwrap_or(1.0)
+    }
+
+    /// By which square neighbours are off together in a channel of a scene that is so many times as bright, which no noise of their own makes.
+    fn together(&self, c: usize, factor: f64) -> f64 {
+        let product = |[picture, scene]: &[[Rgb; 2]; 2]| (0..2).map(|k| picture[k][c] - factor * scene[k][c]).product::<f64>();
+        let count = self.pairs.len() as f64;
+        let mean = self.sum(product) / count;
+        let error = self.sum(|pair| (product(pair) - mean).powi(2)).sqrt() / count;
+        if mean > SURE * error { mean } else { 0.0 }
+    }
+
+    /// By how many times the channels of the picture are brighter, if that is no accident, and all that there is to say; each is known no better than
+    /// it is `rounded`, in terms of itself.
+    fn factors(&self, rounded: &[f64; 3]) -> Option<[f64; 3]> {
+        let known = [0, 1, 2].map(|c| self.factor(|light| light[c]));
+        let factors = known.map(|(factor, _)| factor);
+        let most = |c: usize| (self.median(c) - 1.0) / (factors[c] - 1.0) > ALIKE;
+        let off = |c: usize| (factors[c] - 1.0).abs() > ALL.max(SURE * known[c].1.max(rounded[c])) && most(c);
+        let alike: f64 = factors.iter().map(|factor| (factor - 1.0).powi(2)).sum();
+        let besides = || (0..3).map(|c| self.together(c, factors[c])).sum::<f64>();
+        (self.pairs.len() >= FEWEST && factors.iter().all(|factor| *factor > 0.0) && (0..3).any(off) && besides() < ALIKE * ALIKE * alike)
+            .then_some(factors)
+    }
+
+    /// By which part neighbours are off together in the channel where that is most.
+    fn displaced(&self) -> Option<f64> {
+        let most = (0..3).map(|c| self.together(c, 1.0)).fold(0.0, f64::max).sqrt();
+        (most > TOGETHER).then_some(most)
+    }
 }
 
 /// That all is brighter or darker by these factors, as by another exposure, or by another white balance if they differ; `all` is that of all light.
-fn exposed(factors: [f64; 3], all: Option<f64>) -> String {
-    let two = |factor: f64| Number::rounded(factor, 2);
-    let param = |(name, factor): (&str, f64)| format!("--param {name}={}:{}:{}", two(factor), two(0.1 * factor), two(10.0 * factor));
+fn exposed(factors: [f64; 3], all: f64) -> String {
+    let three = |factor: f64| Number::rounded(factor, 3);
+    let param = |(name, factor): (&str, f64)| format!("--param {name}={}:{}:{}", three(factor), three(0.1 * factor), three(10.0 * factor));
     let remedy = "finds that, with something of the material known";
     let (least, most) = (factors.into_iter().fold(f64::INFINITY, f64::min), factors.into_iter().fold(0.0, f64::max));
-    let differ = most / least - 1.0 > OFF;
-    match all.filter(|_| !differ) {
-        Some(all) if (all / WHITE_EFFICACY - 1.0).abs() < 2.0 * OFF => format!(
-            "around the unknown the picture is {} times as bright as the scene is, as one in cd/m² is: divided by {WHITE_EFFICACY} it is in radiance",
-            two(all)
-        ),
-        Some(all) => format!(
-            "around the unknown the picture is {} times as bright as the scene is, as by another exposure: {} {remedy}",
-            two(all),
-            param((EXPOSURES[0], all))
-        ),
-        None => format!(
+    if most / least - 1.0 > ALL {
+        format!(
             "around the unknown red, green and blue of the picture are {} times as bright as the scene is, as by another white balance: {} {remedy}",
-            list(&factors.map(|factor| two(factor).to_string())),
+            list(&factors.map(|factor| three(factor).to_string())),
             [0, 1, 2].map(|c| param((EXPOSURES[1 + c], factors[c]))).join(" ")
-        ),
+        )
+    } else if (all / WHITE_EFFICACY - 1.0).abs() < CANDELAS {
+        format!(
+            "around the unknown the picture is {} times as bright as the scene is, as one in cd/m² is: divided by {WHITE_EFFICACY} it is in radiance",
+            three(all)
+        )
+    } else {
+        format!(
+            "around the unknown the picture is {} times as bright as the scene is, as by another exposure: {} {remedy}",
+            three(all),
+            param((EXPOSURES[0], all))
+        )
     }
 }
 
-/// By which part neighbours are off together, which no noise of their own makes: in terms of what a rendering of its own has, since what this one
-/// lacks by chance it is off by too.
-fn displaced(picture: &[Rgb], scene: &[Rgb], again: &[Rgb]) -> Option<f64> {
-    let [picture, scene, again] = [picture, scene, again].map(|lights| lights.as_chunks::<2>().0);
-    let products = picture.iter().zip(scene).zip(again).filter_map(|((picture, scene), again)| {
-        let ([a, b], [c, d]) = (picture.map(bright), scene.map(bright));
-        let mean = 0.5 * again.map(bright).iter().sum::<f64>();
-        (mean > 0.0).then(|| (a - c) * (b - d) / mean.powi(2))
-    });
-    let products: Vec<f64> = products.collect();
-    let mean = products.iter().sum::<f64>() / products.len() as f64;
-    let error = products.iter().map(|product| (product - mean).powi(2)).sum::<f64>().sqrt() / products.len() as f64;
-    (mean > OFF * OFF && mean > SURE * error).then(|| mean.sqrt())
-}
+/// A picture that is brighter by RADIANCE's efficacy of white light but for this part of it is one in cd/m².
+const CANDELAS: f64 = 0.1;
 
 #[cfg(test)]
 mod tests {
@@ -220,9 +252,11 @@ mod tests {
         };
         for seed in 0..20 {
             let [picture, scene, again] = [0, 1, 2].map(|k| lights(3 * seed + k));
-            assert_eq!(displaced(&picture, &scene, &again), None);
+            let compared = Compared::new(&picture, &scene, &again);
+            assert_eq!((compared.displaced(), compared.factors(&[0.0; 3])), (None, None));
             let elsewhere: Vec<Rgb> = picture.iter().map(|light| *light * 2.0).collect();
-            assert!(displaced(&elsewhere, &scene, &again).is_some());
+            let compared = Compared::new(&elsewhere, &scene, &again);
+            assert!(compared.displaced().is_some() && compared.factors(&[0.0; 3]).is_some_and(|factors| (factors[0] - 2.0).abs() < 0.1));
         }
     }
 }

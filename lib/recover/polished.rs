@@ -93,7 +93,14 @@ pub fn recover(sought: &Sought, effort: Effort, tell: &dyn Fn(&str)) -> Result<R
         Some(slot) => with_roughness(mirror, slot, sought.unknown.bounds()[slot].0, &lobe, excess),
         None => mirror,
     };
-    if excess < if likely { FARTHER } else { -FARTHER } {
+    // Where few samples made the picture, a mirror is nearer as whatever is smoother is: it lacks what single pixels hold.
+    let nearer = match (likely, seen.misfit.singles > 0.0) {
+        (true, false) => FARTHER,
+        (false, false) => -FARTHER,
+        (true, true) => -FAR,
+        (false, true) => f64::NEG_INFINITY,
+    };
+    if excess < nearer {
         let whole = |mirror: Recovery| if likely { rough(mirror) } else { or_else(rough(mirror), &found, odds(excess)) };
         let told = |found: &Recovery| (effort.told)(&whole(found.clone()));
         // Light that meets it more often than products tell is that of the values it is looked at with, which those of a lobe are not: of a ball that
