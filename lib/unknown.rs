@@ -116,9 +116,9 @@ impl Unknown {
         self.slots[self.material.reals.len()..].iter().any(Option::is_some)
     }
 
-    /// Errors if an exposure is unknown, which the file does not tell.
+    /// Errors if there is an exposure, which the file does not tell.
     pub fn told_by_file(&self) -> Result<()> {
-        if !self.seeks_exposure() {
+        if !self.seeks_exposure() && self.exposures(&self.start()) == [1.0; 3] {
             return Ok(());
         }
         let message =

@@ -176,15 +176,18 @@ impl World {
         None
     }
 
-    /// The materials at the ends of a chain, with what an illum stands for; `None` for each end without one.
+    /// The materials at the ends of a chain, with what an illum or a mirror stands for; `None` for each end without one.
     fn ends(&self, chain: ChainId, out: &mut Vec<Option<MaterialId>>) {
         match self.chains[chain].end {
-            End::Material(m) => {
-                out.push(Some(m));
-                if let Named { material: Material::Illum(_), alternate: Some(chain), .. } = self.materials[m] {
+            End::Material(m) => match self.materials[m] {
+                // It mirrors lamps alone.
+                Named { material: Material::Mirror(_), alternate: Some(chain), .. } => self.ends(chain, out),
+                Named { material: Material::Illum(_), alternate: Some(chain), .. } => {
+                    out.push(Some(m));
                     self.ends(chain, out);
                 }
-            }
+                _ => out.push(Some(m)),
+            },
             End::Mixture(_, fore, back) => [fore, back].into_iter().for_each(|chain| self.ends(chain, out)),
             End::Void => out.push(None),
         }

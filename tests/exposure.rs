@@ -179,6 +179,13 @@ fn so_is_the_white_balance() {
 }
 
 #[test]
+fn one_that_is_known_is_reckoned_with() {
+    let out = told("plastic it 0 0 5 .6 .4 .2 .1 .15", [1.3; 3], "--param exposure=1.3:.5:2 --fix exposure");
+    found(&out, &[("red", 0.6), ("green", 0.4), ("blue", 0.2), ("rough", 0.15)], 0.01);
+    assert!(!out.contains("warning"), "{out}");
+}
+
+#[test]
 fn what_it_leaves_open_is_said() {
     // Where no edge shows what is behind it, a plastic twice as bright is one that is lit by half as much, and a metal too.
     for material in ["plastic it 0 0 5 .4 .3 .2 .1 .15", "metal it 0 0 5 .5 .4 .3 .7 .15"] {

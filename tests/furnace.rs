@@ -78,6 +78,56 @@ fn single_samples_reflect_what_those_of_radiance_do() {
     }
 }
 
+/// What is behind a mirror at x = 2, seen by a ray that leaves the origin along x, at x = −2.
+const BEHIND: &str =
+    "void mirror m 0 0 3 1 1 1\nm polygon mm 0 0 12 2 -1 -1 2 -1 1 2 1 1 2 1 -1\nt polygon tt 0 0 12 -2 -2 -2 -2 2 -2 -2 2 2 -2 -2 2\n";
+
+#[test]
+fn what_limits_end_is_left_to_no_sample() {
+    // RADIANCE 6.0a, `rtrace -h- -u+ -ad 1024 -aa 0 -as 0 -lw 1e-6 -st 0 -ss 16`: what is behind a mirror gathers nothing by -lr 1 or -1, and all by 2.
+    let sky = "void brightfunc g 2 if(Dx*.5+Dz*.8-.75,20,.2) . 0 0\ng glow e 0 0 4 1 1 1 0\ne source s 0 0 4 0 0 1 360\n";
+    // The direct light of lamps never ends: by the same of this lamp, and -dj 1, .2085 ± .002 for the diffuse wall.
+    let lamp = "void light l 0 0 3 5 5 5\nl sphere b 0 0 4 -1 0 1.5 .9\n";
+    let seen = |light: &str, wall: &str, options: &[&str]| -> f64 {
+        let scene = format!("{light}void {wall}\n{BEHIND}");
+        answers(&scene, &[options, &["-ab", "1", "-n", "1", "--spp", "20000"]].concat(), "0 0 0 1 0 .2\n")[0][0]
+    };
+    for wall in ["plastic t 0 0 5 .3 .3 .3 0 0", "metal t 0 0 5 .8 .8 .8 1 .25"] {
+        for limit in ["1", "-1"] {
+            assert_eq!(seen(sky, wall, &["-lr", limit]), 0.0, "{wall} {limit}");
+        }
+        let (all, ended, weak) =
+            (seen(sky, wall, &["-lr", "-2"]), seen(lamp, wall, &["-lr", "-1"]), seen(lamp, wall, &["-lr", "8", "-lw", ".9"]));
+        let whole = seen(lamp, wall, &["-lr", "2"]);
+        assert!(
+            all > 1.0 && (ended / whole - 1.0).abs() < 0.01 && (weak / whole - 1.0).abs() < 0.01,
+            "{wall}: {all} {ended} {weak} {whole}"
+        );
+    }
+    assert!((seen(lamp, "plastic t 0 0 5 .3 .3 .3 0 0", &["-lr", "-1"]) - 0.2085).abs() < 0.004);
+}
+
+#[test]
+fn what_limits_end_is_replaced_as_radiance_does() {
+    // RADIANCE 6.0a, `rtrace -h- -w- -u+ -ab 1 -ad 4096 -aa 0 -as 0 -lw 1e-5` with these options, under a uniform sky.
+    let sky = "void glow g 0 0 4 1 1 1 0\ng source sky 0 0 4 0 0 1 180\ng source ground 0 0 4 0 0 -1 180\n";
+    let recorded = [
+        ("trans t 0 0 7 .8 .8 .8 0 0 .5 0", "1", "0", 0.4),
+        ("trans t 0 0 7 .8 .8 .8 0 0 .5 0", "1", ".5", 0.6),
+        ("plastic t 0 0 5 .8 .8 .8 0 0", "1", ".5", 0.4),
+        ("plastic t 0 0 5 .8 .8 .8 0 0", "-1", ".5", 0.4),
+        ("plastic t 0 0 5 .8 .8 .8 0 0", "-1", "0", 0.0),
+    ];
+    for (wall, limit, rest, wanted) in recorded {
+        let options = ["-ab", "1", "-lr", limit, "-lw", "1e-5", "-av", rest, rest, rest, "-n", "1", "--spp", "4000"];
+        let found = answers(&format!("{sky}void {wall}\n{BEHIND}"), &options, "0 0 0 1 0 0\n")[0][0];
+        assert!((found - wanted).abs() < 0.002, "{wall} -lr {limit} -av {rest}: {found} instead of {wanted}");
+    }
+    // Nor does roulette by weight alone go on between perfect mirrors.
+    let closed = "void mirror m 0 0 3 1 1 1\nm bubble b 0 0 4 0 0 0 1\n";
+    assert_eq!(answers(closed, &["--spp", "16", "-lw", "1e-4"], "0 0 0 1 .3 .2\n")[0][0], 0.0);
+}
+
 #[test]
 fn a_distant_spotlight_lights_all_places_alike() {
     // Its cone is wider than it is, so that it lights as a light does: 1000 · 2π(1 − cos 1°) · .5/π on a floor of .5.

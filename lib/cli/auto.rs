@@ -70,6 +70,7 @@ pub fn take<'a>(start: &str, target: &str, effort: Effort, arguments: &Arguments
         return Err(Error::new("--type auto: no type can be tried; give bounds with --param NAME=START:LOW:HIGH").into());
     };
     let mut photo = Photo::new(first, Some(target), arguments, console)?;
+    photo.counting(&document);
     let asked = Asked::new(start, arguments, photo.digest());
     let glass = Unknown::as_glass_of_any_index(&document, &wishes).ok();
     let tried: Vec<Unknown> = unknowns.iter().chain(&glass).cloned().collect();

@@ -19,8 +19,8 @@ use std::path::Path;
 #[derive(Serialize, Deserialize)]
 pub struct Kept {
     asked: Asked,
-    /// The type that the unknown was taken for.
-    kind: String,
+    /// The type that the unknown was taken for, and of how many numbers.
+    kind: (String, usize),
     /// What is to be said of it.
     pub said: Said,
     /// What was found.
@@ -105,7 +105,7 @@ impl Kept {
                 return Err(trouble(&format!("it keeps a recovery {what}"), "remove it to begin anew, or name another state"));
             }
         }
-        let unknown = unknowns.iter().position(|unknown| unknown.material().kind == kept.kind);
+        let unknown = unknowns.iter().position(|unknown| kind(unknown) == kept.kind);
         match unknown.filter(|&unknown| kept.is_of(unknowns[unknown].parameters().len())) {
             Some(unknown) => Ok(Some((kept, unknown))),
             None => Err(stranger("its parts contradict each other")),
@@ -114,7 +114,7 @@ impl Kept {
 
     /// What was asked, and what was found and said of an unknown.
     pub fn new(asked: Asked, unknown: &Unknown, said: &Said, found: &Found, trail: &Trail) -> Self {
-        let (kind, rounds) = (unknown.material().kind.clone(), trail.moments().clone());
+        let (kind, rounds) = (kind(unknown), trail.moments().clone());
         Self { asked, kind, said: said.clone(), found: found.clone(), rounds }
     }
 
@@ -137,4 +137,9 @@ impl Kept {
             && [covariance, own, common].iter().all(|matrix| matrix.is_finite_of(parameters))
             && self.rounds.iter().all(fits)
     }
+}
+
+/// The type of an unknown, and of how many numbers it is.
+fn kind(unknown: &Unknown) -> (String, usize) {
+    (unknown.material().kind.clone(), unknown.material().reals.len())
 }

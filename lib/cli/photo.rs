@@ -114,6 +114,12 @@ impl<'a> Photo<'a> {
         }
     }
 
+    /// Counts START.rad as it is, where the unknown was taken for another type.
+    pub fn counting(&mut self, start: &Document) {
+        self.disk.count(&start.source.name, &start.bytes());
+        self.digest = self.disk.digest();
+    }
+
     /// A number that any change of the files that it was made of changes.
     pub fn digest(&self) -> u64 {
         self.digest
@@ -186,8 +192,7 @@ impl<'a> Photo<'a> {
 
     /// How the picture is otherwise around the unknown than the scene, where that is what was found: it may light what is there.
     pub fn otherwise_around(&self, found: &Recovery) -> Result<Option<Around>> {
-        let exposures = self.unknown.seeks_exposure().then(|| self.unknown.exposures(&found.values));
-        let by = |world: &World| otherwise_around(&self.evidence(), world, exposures, self.material, self.seed);
+        let by = |world: &World| otherwise_around(&self.evidence(), world, &self.unknown, found, self.material, self.seed);
         // Mostly nothing is to be said by what is there already.
         by(&self.world).map_or(Ok(None), |_| Ok(by(&self.as_found(found)?)))
     }

@@ -333,7 +333,8 @@ impl Search {
         }
         if let Some(best) = self.kept.annealer.best().filter(|_| !interrupted()) {
             self.kept.chi2 = objective.told(&best.values)?;
-            self.kept.covariance = objective.covariance(&best.values)?;
+            let polished = self.kept.annealer.options().polish;
+            self.kept.covariance = if polished { objective.covariance(&best.values)? } else { None };
         }
         watch.state.map_or(Ok(()), |path| self.save(path))?;
         let annealer = &self.kept.annealer;

@@ -92,12 +92,17 @@ impl<B: Clone> Integrator<'_, B> {
         let (surface, at) = (&*vertex.surface, vertex.at);
         let mut ways =
             Ways { weights: surface.weights(), counts: [0.0; 4], aims: [0.0; 4], pools: [0.0; 4], share: [1.0; 6], chosen: None };
-        let last = self.rules.limit_reflections.is_some_and(|most| most > 0 && at.level >= most);
-        if at.bounces >= self.rules.ambient_bounces || last || !vertex.layer.gathers {
-            for side in 0..2 {
-                if std::mem::take(&mut ways.weights[side]) > 0.0 && self.rules.ambient_value != Rgb::ZERO {
-                    transport.collect(&transport.ambient(vertex.beta, surface, side), self.rules.ambient_value);
-                }
+        // What would end at once is not drawn, nor does what is aimed at leave it a share.
+        let last = at.bounces >= self.rules.ambient_bounces || !vertex.layer.gathers;
+        for part in Part::ALL {
+            let weight = &mut ways.weights[part as usize];
+            let ends = self.ends(at.level + i32::from(part.side() == 0), at.weight * weight.min(1.0));
+            let cut = *weight > 0.0 && (ends || last && part.diffuse());
+            if cut {
+                *weight = 0.0;
+            }
+            if cut && part.diffuse() && self.rules.ambient_value != Rgb::ZERO {
+                transport.collect(&transport.ambient(vertex.beta, surface, part.side()), self.rules.ambient_value);
             }
         }
         if !vertex.exact {
@@ -299,25 +304,26 @@ impl<B: Clone> Integrator<'_, B> {
         self.push(transport, path, beta, weight, delta.reflected);
     }
 
+    /// Whether RADIANCE's limits end a path after so many reflections, with this weight.
+    fn ends(&self, level: i32, weight: f64) -> bool {
+        self.rules.limit_reflections.is_some_and(|most| {
+            most != 0 && level.unsigned_abs() > most.unsigned_abs()
+                || most > 0 && self.rules.limit_weight.is_some_and(|least| weight < least)
+        })
+    }
+
     /// Sends a path on if RADIANCE's limits, or roulette, let it live.
     fn push<T: Transport<Beta = B>>(&mut self, transport: &T, mut path: Path, mut beta: B, coefficient: f64, reflected: bool) {
         path.level += reflected as i32;
         path.weight *= coefficient.min(1.0);
-        let least = match (self.rules.limit_reflections, self.rules.limit_weight) {
-            (Some(most), least) if most > 0 => {
-                if path.level <= most && path.weight >= least.unwrap_or(0.0) {
-                    self.stack.push(Segment { path, beta });
-                }
-                return;
-            }
-            (most, least) => {
-                if most.is_some_and(|m| m < 0 && path.level.unsigned_abs() > m.unsigned_abs()) {
-                    return;
-                }
-                least.unwrap_or(if path.exact { EXACT_ROULETTE } else { ROULETTE })
-            }
-        };
-        let patience = if reflected && path.level > MANY && !self.rules.limited() { PATIENCE } else { 1.0 };
+        if self.ends(path.level, path.weight) {
+            return;
+        }
+        if self.rules.limit_reflections.is_some_and(|most| most > 0) {
+            return self.stack.push(Segment { path, beta });
+        }
+        let least = self.rules.limit_weight.unwrap_or(if path.exact { EXACT_ROULETTE } else { ROULETTE });
+        let patience = if reflected && path.level > MANY { PATIENCE } else { 1.0 };
         let survival = patience * (path.weight / least).min(1.0);
         if survival < 1.0 {
             self.outcome.random = true;

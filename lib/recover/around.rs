@@ -41,12 +41,13 @@ const SHARED: f64 = 1.0 / 3.0;
 /// was off by .4 of standard errors that hold this on the average, and by 1.3 at the most; without, by up to 9.
 pub const GUESSED: f64 = 0.016;
 
-/// How things in a world that are known are otherwise in the picture, whose red, green and blue are brighter by `exposures` if those are known: all
-/// brighter or darker alike, as by another exposure; or otherwise, as in another light or by another view. `None` if they are not.
+/// How things in a world that are known are otherwise in the picture, with the exposure that was found: all brighter or darker alike, as by another
+/// exposure, where none was sought; or otherwise, as in another light or by another view. `None` if they are not.
 pub fn otherwise_around(
     evidence: &Evidence,
     world: &World,
-    exposures: Option<[f64; 3]>,
+    unknown: &Unknown,
+    found: &Recovery,
     material: MaterialId,
     seed: u64,
 ) -> Option<Around> {
@@ -55,10 +56,10 @@ pub fn otherwise_around(
     }
     let looked_at = Looked::new(evidence, LOOKED_AT, |n| !evidence.touches(n, material))?;
     let scene = looked_at.rendered(world, seed);
-    let picture = looked_at.photographed(exposures.unwrap_or([1.0; 3]));
+    let picture = looked_at.photographed(unknown.exposures(&found.values));
     let again = looked_at.rendered(world, mix64(seed));
     let compared = Compared::new(&picture, &scene, &again);
-    let (mut said, off) = match compared.factors(&looked_at.rounded()).filter(|_| exposures.is_none()) {
+    let (mut said, off) = match compared.factors(&looked_at.rounded()).filter(|_| !unknown.seeks_exposure()) {
         Some(factors) => {
             let off = factors.into_iter().map(|factor| (factor - 1.0).abs()).fold(0.0, f64::max);
             (exposed(factors, compared.factor(bright).0), off)

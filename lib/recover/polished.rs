@@ -109,7 +109,9 @@ pub fn recover(sought: &Sought, effort: Effort, tell: &dyn Fn(&str)) -> Result<R
         // Where in a mirror a small light is seen few samples of a pixel tell.
         let looked = Recovery { misfit: Misfit { singles: 0.0, ..looked.misfit }, ..looked };
         // One that mirrors as little as it can may be one that does not.
-        let dullest = unknown.slots()[SPECULARITY].is_some_and(|slot| looked.values[slot] <= unknown.bounds()[slot].0);
+        let least = sought.unknown.slots()[SPECULARITY].map_or(0.0, |slot| sought.unknown.bounds()[slot].0);
+        let at_least = || unknown.slots()[SPECULARITY].is_some_and(|slot| looked.values[slot] <= unknown.bounds()[slot].0);
+        let dullest = slot.is_some() && least < FRESNEL_FROM && at_least();
         if !dullest {
             return Ok(whole(looked));
         }
@@ -167,7 +169,8 @@ impl Mirror {
 
     /// The unknown so, if that is how it starts.
     pub fn at_start(unknown: &Unknown, kind: Kind) -> Option<Self> {
-        if kind.anisotropic || !is_polished(unknown, &unknown.start()) {
+        let dull = unknown.reals(&unknown.start())[SPECULARITY] < FRESNEL_FROM;
+        if kind.anisotropic || dull || !is_polished(unknown, &unknown.start()) {
             return None;
         }
         let slot = unknown.slots()[ROUGHNESS];

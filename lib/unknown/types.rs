@@ -30,25 +30,33 @@ impl Unknown {
         let own = &super::choose(document, wishes.material.as_deref())?.kind;
         let mut all: Vec<_> = TYPES.iter().map(|(kind, _)| (kind.to_string(), Self::taken_for(kind, document, wishes))).collect();
         if own.strip_suffix('2').is_some_and(|stem| TYPES.iter().any(|(kind, _)| *kind == stem)) {
-            all.push((own.clone(), Self::new(document.clone(), wishes)));
+            let as_it_is = || starting(own, &super::choose(document, wishes.material.as_deref())?.reals, document, wishes);
+            all.push((own.clone(), as_it_is().and_then(|(document, wishes)| Self::new(document, &wishes))));
         }
         Ok(all)
     }
 
     /// The unknown of a scene file, taken for glass whose index of refraction is sought too.
     pub fn as_glass_of_any_index(document: &Document, wishes: &Wishes) -> Result<Self> {
-        let (document, wishes) = starting(GLASS, &[0.5, 0.5, 0.5, GLASS_INDEX], document, wishes)?;
+        let (document, wishes) = starting(GLASS, &ANY_GLASS, document, wishes)?;
         Self::new(document, &wishes)
     }
 }
 
 /// A scene file with its unknown taken for `kind`, one of [`TYPES`], and what is wished of it that it can have.
 ///
-/// A parameter keeps its value by its name.
+/// A parameter keeps its value by its name. Glass has an index of refraction only if something is wished of it.
 pub fn retyped(kind: &str, document: &Document, wishes: &Wishes) -> Result<(Document, Wishes)> {
     let starts = TYPES.iter().find(|(name, _)| *name == kind).map_or(&[][..], |(_, starts)| *starts);
+    let from = super::choose(document, wishes.material.as_deref())?.type_of();
+    let index = |word: &String| from.and_then(|from| from.parameters.get(from.parameter(word)?)).map_or(&word[..], |name| *name) == "ior";
+    let mut wished = wishes.bounds.iter().map(|wish| &wish.name).chain(&wishes.fixed).chain(wishes.tied.iter().flatten());
+    let starts = if kind == GLASS && wished.any(index) { &ANY_GLASS } else { starts };
     starting(kind, starts, document, wishes)
 }
+
+/// What glass starts with whose index of refraction is among its numbers.
+const ANY_GLASS: [f64; 4] = [0.5, 0.5, 0.5, GLASS_INDEX];
 
 /// The same with as many parameters as there are `starts`, which are what the file does not say; none for a type that no unknown can be taken for.
 fn starting(kind: &str, starts: &[f64], document: &Document, wishes: &Wishes) -> Result<(Document, Wishes)> {
@@ -134,6 +142,14 @@ mod tests {
         let pane = Document::parse(Source::new("p.rad", "void glass m 0 0 3 .1 .2 .3\n")).unwrap();
         let known = Unknown::as_glass_of_any_index(&pane, &Wishes { fixed: vec!["ior".into()], ..Wishes::default() }).unwrap();
         assert_eq!(known.reals(&known.start()), [0.1, 0.2, 0.3, GLASS_INDEX]);
+        // So it is where the type is named; and a type of the file's own heeds what it has.
+        let known = Wishes { fixed: vec!["ior".into()], ..Wishes::default() };
+        let glass = Unknown::taken_for("glass", &document, &known).unwrap();
+        assert_eq!(glass.reals(&glass.start()), [0.1, 0.2, 0.3, 1.4]);
+        let brushed = Document::parse(Source::new("b.rad", "void metal2 m 4 1 0 0 . 0 6 .5 .5 .5 .9 .1 .2\n")).unwrap();
+        let other = Wishes { bounds: vec!["rough=.1:0:.3".parse().unwrap()], ..Wishes::default() };
+        let all = Unknown::of_each_type(&brushed, &other).unwrap();
+        assert!(all.iter().any(|(kind, unknown)| kind == "metal2" && unknown.is_ok()));
         let wrong = Wishes { fixed: vec!["gloss".into()], ..Wishes::default() };
         assert!(Unknown::taken_for("metal", &document, &wrong).unwrap_err().message.contains("no type of material that is tried"));
     }

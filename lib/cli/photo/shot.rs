@@ -103,6 +103,7 @@ fn typed(light: &Light, rules: &Rules) -> Typed {
         mirrors: light.dr.is_some(),
         medium: light.me.is_some(),
         backs: light.bv.is_some(),
+        lamps: light.dv.is_some(),
         reflections: light.lr.is_some(),
         sampling: light.ss.is_some(),
         lobe: light.ward.is_some(),

@@ -24,6 +24,8 @@ pub struct Typed {
     pub medium: bool,
     /// `-bv`.
     pub backs: bool,
+    /// `-dv`.
+    pub lamps: bool,
     /// `-lr`.
     pub reflections: bool,
     /// `-ss`.
@@ -50,6 +52,8 @@ pub struct Reckoning {
     medium: Rgb,
     /// Whether backs of surfaces are there.
     backs: bool,
+    /// Whether lamps are seen.
+    lit: bool,
     /// After how many reflections light is left out, if that is so.
     reflections: Option<i32>,
     /// `-ss`, if rough reflection is that of [`Rules::single`] samples.
@@ -84,6 +88,7 @@ impl Reckoning {
             mirrors: count("-dr", mirrors),
             medium: command.color("-me").unwrap_or(default.extinction),
             backs: command.on("-bv"),
+            lit: command.on("-dv"),
             reflections: command.option("-lr").map(|(most, _)| (most as i32).saturating_abs()).filter(|most| *most > 0),
             sampling: command.option("-ss").map(|(sampling, _)| sampling).filter(|s| single(*s)),
             lobe: if ours && command.word("--ward").is_some() { Ward::Original } else { default.lobe },
@@ -119,6 +124,9 @@ impl Reckoning {
         if !typed.backs {
             rules.back_visible = self.backs;
         }
+        if !typed.lamps {
+            rules.lights_visible = self.lit;
+        }
         // What RADIANCE ends by roulette, and below a weight, hardly counts.
         if !typed.reflections {
             rules.limit_reflections = self.reflections.map(|most| -most);
@@ -148,6 +156,7 @@ impl Reckoning {
             (typed.medium, color("-me", self.medium)),
             (typed.mirrors, Some(format!("-dr {}", self.mirrors))),
             (typed.backs, (!self.backs).then(|| "-bv-".into())),
+            (typed.lamps, (!self.lit).then(|| "-dv-".into())),
             (typed.reflections, self.reflections.map(|most| format!("-lr {most}"))),
             (typed.sampling, self.sampling.map(|sampling| number("-ss", sampling))),
             (typed.lobe, (self.lobe == Ward::Original).then(|| "--ward 1992".into())),
