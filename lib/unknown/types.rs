@@ -103,7 +103,8 @@ fn starting(kind: &str, starts: &[f64], document: &Document, wishes: &Wishes) ->
         tied: lists(&wishes.tied)?.into_iter().filter(|tie| tie.len() > 1).collect(),
         groups: lists(&wishes.groups)?,
     };
-    Ok((document.retyped(&material.name, kind, &reals)?, wishes))
+    let same = from.name == to.name && reals == material.reals;
+    Ok((if same { document.clone() } else { document.retyped(&material.name, kind, &reals)? }, wishes))
 }
 
 #[cfg(test)]
@@ -125,8 +126,10 @@ mod tests {
             unknown.parameters().iter().map(|p| (p.name.clone(), p.start, p.high)).collect::<Vec<_>>()
         };
         let [red, blue] = [("red".to_string(), 0.1, 1.0), ("blue".to_string(), 0.3, 1.0)];
-        assert_eq!(free("dielectric"), [red.clone(), blue.clone(), ("ior".into(), 1.4, 1.6)]);
-        assert_eq!(free("glass"), [red.clone(), blue.clone()]);
+        assert_eq!(free("dielectric"), [red, blue, ("ior".into(), 1.4, 1.6)]);
+        assert_eq!(free("glass"), free("dielectric"));
+        let pane = Unknown::taken_for("glass", &document, &Wishes { bounds: vec![], tied: vec![], ..wishes.clone() }).unwrap();
+        assert_eq!(pane.material().reals, [0.1, 0.2, 0.3]);
         let tied = Wishes { tied: vec![], ..wishes.clone() };
         let trans = Unknown::taken_for("trans", &document, &tied).unwrap();
         let names: Vec<&str> = trans.parameters().iter().map(|p| p.name.as_str()).collect();
