@@ -97,10 +97,7 @@ impl<B: Clone> Integrator<'_, B> {
         for part in Part::ALL {
             let weight = &mut ways.weights[part as usize];
             let ends = self.ends(at.level + i32::from(part.side() == 0), at.weight * weight.min(1.0));
-            let cut = *weight > 0.0 && (ends || last && part.diffuse());
-            if cut {
-                *weight = 0.0;
-            }
+            let cut = (ends || last && part.diffuse()) && std::mem::take(weight) > 0.0;
             if cut && part.diffuse() && self.rules.ambient_value != Rgb::ZERO {
                 transport.collect(&transport.ambient(vertex.beta, surface, part.side()), self.rules.ambient_value);
             }

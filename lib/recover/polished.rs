@@ -167,7 +167,7 @@ impl Mirror {
         Some(Self { unknown: mirroring(mirror)?, slot: slots[ROUGHNESS], likely, seems })
     }
 
-    /// The unknown so, if that is how it starts.
+    /// The unknown so, if that is how it starts, and it mirrors so much that there is a Fresnel term.
     pub fn at_start(unknown: &Unknown, kind: Kind) -> Option<Self> {
         let dull = unknown.reals(&unknown.start())[SPECULARITY] < FRESNEL_FROM;
         if kind.anisotropic || dull || !is_polished(unknown, &unknown.start()) {
